@@ -50,9 +50,11 @@ struct RegionMaterial {
   std::optional<double> poisson_ratio;
   std::optional<double> density_kg_m3;  // changes the body's mass
   std::optional<double> plasticity;
-  // Factors on the body's own modulus and density where the region has none: they follow a change of the
-  // body's material. Positive. Densities by factors are scaled together, so that they keep the body's mass.
-  double youngs_modulus_factor = 1.0, density_factor = 1.0;
+  std::optional<double> friction;  // of the surface, 0 … kMaxFriction
+  // Factors on the body's own modulus, density and friction where the region has none: they follow a change
+  // of the body's material. Positive. Densities by factors are scaled together, so that they keep the body's
+  // mass.
+  double youngs_modulus_factor = 1.0, density_factor = 1.0, friction_factor = 1.0;
 };
 
 struct BodyRegion {

@@ -19,6 +19,7 @@
 #include "physics/collider.h"
 #include "physics/elastic_body.h"
 #include "physics/material.h"
+#include "physics/surface_friction.h"
 #include "skin/driver_frame.h"
 #include "skin/rest_body.h"
 
@@ -55,6 +56,7 @@ struct RigidBodyDescription {
   // The exact surface of a cylinder or capsule, in the object frame; the mesh may have facets.
   std::optional<RoundShape> round;
   Material material;
+  std::vector<FrictionBox> friction_boxes;  // parts of other friction; empty: that of the material everywhere
   Pose world_from_object;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();            // world frame, of the centre of mass
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  // world frame

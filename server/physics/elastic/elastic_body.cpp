@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "physics/surface_friction.h"
+
 namespace livegs {
 namespace {
 
@@ -97,6 +99,12 @@ Result<void> check_motion(const ElasticBodyDescription& d) {
   for (const BodyRegion& region : d.regions) {
     if (!region.min_m.allFinite() || !region.max_m.allFinite() || !region.traction_pa.allFinite()) {
       return not_physical(d, "region " + region.name + " is not finite; check its box and traction");
+    }
+    if (!region.material) continue;
+    const double own = region.material->friction.value_or(0.0), factor = region.material->friction_factor;
+    if (!(own >= 0.0 && own <= kMaxFriction && factor >= 0.0 && factor <= kMaxFrictionFactor)) {
+      return not_physical(d, "region " + region.name + ": friction is " + number(own) + ", or " +
+                                 number(factor) + " times that of the body; it must be 0 to 2");
     }
   }
   if (!(d.cell_width_m >= 0.0) || !std::isfinite(d.cell_width_m)) {

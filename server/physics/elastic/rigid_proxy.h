@@ -7,6 +7,7 @@
 #include "core/pose.h"
 #include "physics/collision/collision_shape.h"
 #include "physics/elastic/contact_constraints.h"
+#include "physics/surface_friction.h"
 
 namespace livegs {
 
@@ -23,7 +24,8 @@ struct RigidProxy final : ContactParticipant {
                   predicted_change_rad_s = Eigen::Vector3d::Zero();
   double inverse_mass = 0.0;                                  // 1/kg
   Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();  // world axes, at the start of the substep
-  double friction = 0.5;
+  const SurfaceFriction* friction = nullptr;
+  Eigen::Vector3d rest_centre_m = Eigen::Vector3d::Zero();  // as RigidBody::rest_centre_m
   bool asleep = false;
 
   // The current step of the elastic bodies: a part of the substep.
@@ -43,6 +45,9 @@ struct RigidProxy final : ContactParticipant {
   void begin_step(double began_s, double step_s, double substep_s);
   Pose at_end() const;         // of the step, with the impulses so far
   double fastest_m_s() const;  // upper bound for all points
+  double friction_at(const Eigen::Vector3d& body_point_m) const {
+    return friction->at(rest_centre_m + body_point_m, shape->bounding_radius_m);
+  }
   // Anchor of the material point that is at `point_m` at the end of the step. Impulses act at
   // `application_m`.
   ContactAnchor anchor_at(const Eigen::Vector3d& point_m, const Eigen::Vector3d& application_m) const;

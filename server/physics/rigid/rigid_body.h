@@ -12,6 +12,7 @@
 #include "physics/motion/free_rotation.h"
 #include "physics/rigid/contact/contact_point.h"
 #include "physics/rigid/contact/impact_record.h"
+#include "physics/surface_friction.h"
 
 namespace livegs {
 
@@ -30,7 +31,7 @@ struct RigidBody {
   double mass_kg = 0.0;
   Eigen::Matrix3d unit_inertia_body = Eigen::Matrix3d::Identity();  // per kg; set by set_unit_inertia
   PrincipalAxes unit_axes;                                          // of unit_inertia_body
-  double friction = 0.5;
+  SurfaceFriction friction;
   double restitution = 0.2;
 
   Pose world_from_body;
@@ -79,6 +80,12 @@ struct RigidBody {
   // Arm of a material point (object frame at rest) from the centre of mass, world axes.
   Eigen::Vector3d arm_of(const Eigen::Vector3d& rest_point_m) const {
     return world_from_body.orientation * (rest_point_m - rest_centre_m);
+  }
+  // At a surface point, as its arm from the centre of mass, world axes.
+  double friction_at(const Eigen::Vector3d& arm_m) const {
+    if (!friction.boxes) return friction.own;
+    return friction.at(rest_centre_m + world_from_body.orientation.conjugate() * arm_m,
+                       shape.bounding_radius_m);
   }
   Eigen::Matrix3d inverse_inertia_body() const { return (mass_kg * unit_inertia_body).inverse(); }
   Eigen::Vector3d point_velocity(const Eigen::Vector3d& arm_m) const {

@@ -80,7 +80,7 @@ Result<void> check_material(uint32_t object_id, const Material& material) {
   LIVEGS_TRY(check_range(object_id, "structure_coefficient", material.structure_coefficient, 0.0, 1.0));
   LIVEGS_TRY(check_range(object_id, "plasticity", material.plasticity, 0.0, 1.0));
   LIVEGS_TRY(check_range(object_id, "loss_factor", material.loss_factor, 0.0, 2.0));
-  LIVEGS_TRY(check_range(object_id, "friction", material.friction, 0.0, 2.0));
+  LIVEGS_TRY(check_range(object_id, "friction", material.friction, 0.0, kMaxFriction));
   LIVEGS_TRY(check_range(object_id, "restitution", material.restitution, 0.0, 1.0));
   if (material.behavior == Behavior::Auto)
     return refuse(object_id, "behavior is AUTO; analyse the object first");
@@ -99,6 +99,8 @@ Result<void> check_rigid(const RigidBodyDescription& description) {
   LIVEGS_TRY(check_finite(id, "velocity_m_s", description.velocity_m_s));
   LIVEGS_TRY(check_finite(id, "angular_velocity_rad_s", description.angular_velocity_rad_s));
   LIVEGS_TRY(check_mesh(id, description.mesh));
+  for (const FrictionBox& one : description.friction_boxes)
+    LIVEGS_TRY(check_range(id, "friction_boxes.factor", one.factor, 0.0, kMaxFrictionFactor));
   LIVEGS_TRY(check_finite(id, "centre_of_mass_m", description.properties.centre_of_mass_m));
   const Eigen::Matrix3d& inertia = description.properties.inertia_m2;
   if (!inertia.allFinite()) return refuse(id, "inertia is not finite");
@@ -117,7 +119,7 @@ Result<void> check_ball(const BallDescription& description) {
   LIVEGS_TRY(check_finite(id, "velocity_m_s", description.velocity_m_s));
   LIVEGS_TRY(check_positive(id, "radius_m", description.radius_m));
   LIVEGS_TRY(check_positive(id, "mass_kg", description.mass_kg));
-  LIVEGS_TRY(check_range(id, "friction", description.friction, 0.0, 2.0));
+  LIVEGS_TRY(check_range(id, "friction", description.friction, 0.0, kMaxFriction));
   LIVEGS_TRY(check_range(id, "restitution", description.restitution, 0.0, 1.0));
   return {};
 }

@@ -150,7 +150,9 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   if (body.shape.round) body.shape.round->centre_m -= body.rest_centre_m;
   body.mass_kg = description.material.mass_kg;
   body.set_unit_inertia(description.properties.inertia_m2);
-  body.friction = description.material.friction;
+  body.friction.own = description.material.friction;
+  if (!description.friction_boxes.empty())
+    body.friction.boxes = std::make_shared<const std::vector<FrictionBox>>(description.friction_boxes);
   body.restitution = description.material.restitution;
   body.world_from_body = normalized(description.world_from_object);
   body.world_from_body.position_m = body.world_from_body * body.rest_centre_m;
@@ -177,7 +179,7 @@ Result<void> World::add_ball(const BallDescription& description) {
   body.shape = ball_shape(description.radius_m);
   body.mass_kg = description.mass_kg;
   body.set_unit_inertia(0.4 * description.radius_m * description.radius_m * Eigen::Matrix3d::Identity());
-  body.friction = description.friction;
+  body.friction.own = description.friction;
   body.restitution = description.restitution;
   body.world_from_body.position_m = description.position_m;
   body.velocity_m_s = description.velocity_m_s;
@@ -330,7 +332,7 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
       RigidBody& body = rigid->body_at(i);
       const Eigen::Vector3d spin = body.angular_velocity_rad_s;
       body.mass_kg = rigid->fragments.empty() ? material.mass_kg : growth * body.mass_kg;
-      body.friction = material.friction;
+      body.friction.own = material.friction;
       body.restitution = material.restitution;
       body.set_angular_velocity(spin);
     }

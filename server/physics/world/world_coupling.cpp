@@ -67,7 +67,8 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     copy.inverse_mass = 1.0 / body.mass_kg;
     const Eigen::Matrix3d turn = body.world_from_body.orientation.toRotationMatrix();
     copy.inverse_inertia = turn * body.inverse_inertia_body() * turn.transpose();
-    copy.friction = body.friction;
+    copy.friction = &body.friction;
+    copy.rest_centre_m = body.rest_centre_m;
     copy.asleep = body.asleep;
     if (body.asleep) continue;
     const double limit = kMaxPredictedGravities * gain_m_s;

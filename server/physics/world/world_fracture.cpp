@@ -62,7 +62,7 @@ void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject&
   body.world_from_body = {whole.world_from_body.position_m + arm, whole.world_from_body.orientation};
   set_mass_properties(body, properties, mass_kg);
   body.shape = joined_shape(*object.pieces, members, properties.centre_of_mass_m);
-  body.friction = object.material.friction;
+  body.friction = whole.friction;
   body.restitution = object.material.restitution;
   body.asleep = false;
   body.still_s = 0.0;

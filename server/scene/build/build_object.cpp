@@ -456,6 +456,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
       if (shape && !material.fragile) body.round = round_shape(object.shape());
       body.material = material;
+      body.friction_boxes = part_friction(*parameters);
       if (shape_key.empty()) {
         prepare_body(body);
       } else {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "analysis/division/part_places.h"
@@ -53,7 +54,27 @@ std::vector<double> part_densities(const MaterialParts& parts, const std::vector
   return densities;
 }
 
+// Friction of a part over that of the object; 1 if a material is not in the table.
+double friction_factor(const v1::PhysicalParameters& parameters, size_t part) {
+  const MaterialRow* own = find_material_row(parameters.material());
+  const MaterialRow* row = find_material_row(parameters.parts(static_cast<int>(part)).material());
+  return own && row && own->friction > 0 ? row->friction / own->friction : 1.0;
+}
+
 }  // namespace
+
+std::vector<FrictionBox> part_friction(const v1::PhysicalParameters& parameters) {
+  const PartPlaces places(parameters.parts());
+  std::vector<FrictionBox> boxes;
+  if (!places.divided()) return boxes;
+  const auto all = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  boxes.push_back({{-all, all}, friction_factor(parameters, places.rest())});
+  for (const PartPlaces::Box& one : places.boxes())
+    boxes.push_back({one.box, friction_factor(parameters, one.part)});
+  const bool even =
+      std::all_of(boxes.begin(), boxes.end(), [](const FrictionBox& one) { return one.factor == 1.0; });
+  return even ? std::vector<FrictionBox>() : boxes;
+}
 
 void weigh_parts(const TriangleMesh& mesh, bool shell, v1::PhysicalParameters& parameters,
                  MassProperties& properties) {
@@ -119,6 +140,7 @@ void add_part_regions(v1::PhysicalParameters& parameters, ElasticBodyDescription
       material.poisson_ratio = std::clamp(row->poisson_ratio, 0.0, 0.49);
       material.plasticity = row->plasticity;
     }
+    material.friction_factor = friction_factor(parameters, part);
     return material;
   };
   std::vector<BodyRegion> regions;

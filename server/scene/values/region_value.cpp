@@ -52,14 +52,13 @@ Result<RegionMaterial> material_value(const v1::Physics& written, const std::str
       {"break_impulse_n_s", written.has_break_impulse_n_s()},
       {"fracture_pieces", written.has_fracture_pieces()},
       {"interior_rgb", written.interior_rgb_size() > 0},
-      {"friction", written.has_friction()},
       {"restitution", written.has_restitution()},
   };
   for (const auto& [name, given] : meaningless) {
     if (!given) continue;
     return refusal(field + "." + name,
                    "is not supported in a region; give it in the object's physics, a region accepts "
-                   "youngs_modulus_pa, poisson_ratio, density_kg_m3 and plasticity");
+                   "youngs_modulus_pa, poisson_ratio, density_kg_m3, plasticity and friction");
   }
   if (auto checked = check_scene_physics(written); !checked) {
     return Error{checked.error().code, field + "." + checked.error().message};
@@ -69,6 +68,7 @@ Result<RegionMaterial> material_value(const v1::Physics& written, const std::str
   if (written.has_poisson_ratio()) material.poisson_ratio = written.poisson_ratio();
   if (written.has_density_kg_m3()) material.density_kg_m3 = written.density_kg_m3();
   if (written.has_plasticity()) material.plasticity = written.plasticity();
+  if (written.has_friction()) material.friction = written.friction();
   return material;
 }
 

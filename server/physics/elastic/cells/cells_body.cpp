@@ -15,6 +15,7 @@
 #include "physics/collision/surface_points.h"
 #include "physics/elastic/resolution/resolution_request.h"
 #include "physics/lattice/region_load.h"
+#include "physics/surface_friction.h"
 
 namespace livegs {
 namespace {
@@ -82,6 +83,27 @@ void CellsBody::set_up_materials() {
   materials_.cells.materials = std::move(materials.elastic);
   materials_.densities_kg_m3 = std::move(materials.densities_kg_m3);
   materials_.plasticities = std::move(materials.plasticities);
+}
+
+double CellsBody::material_friction(size_t material) const {
+  const double own = materials_.own.friction;
+  if (material == 0) return own;
+  const RegionMaterial& region = materials_.regions[material - 1];
+  return region.friction.value_or(std::min(region.friction_factor * own, kMaxFriction));
+}
+
+double CellsBody::friction_at(uint32_t point) const {
+  if (surface_.lattice_cells.empty()) return materials_.own.friction;
+  double friction = 0.0;
+  for (const MaterialShare& share : lattice_.cells[surface_.lattice_cells[point]].materials)
+    friction += share.part * material_friction(share.material);
+  return friction;
+}
+
+double CellsBody::max_friction() const {
+  double friction = materials_.own.friction;
+  for (size_t k = 1; k <= materials_.regions.size(); ++k) friction = std::max(friction, material_friction(k));
+  return friction;
 }
 
 double CellsBody::asked_modulus_pa(size_t material) const {
@@ -530,6 +552,7 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.particles = particle_points_.size();
   accuracy.bytes = nodes_.bytes() + batches_.bytes() +
                    surface_.points.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
+                   surface_.lattice_cells.capacity() * sizeof(uint32_t) +
                    surface_.face_normals.capacity() * sizeof(Eigen::Vector3f) +
                    surface_.cells.capacity() * sizeof(SurfaceCell);
   for (const StepGains* gains : {&gains_.own, &gains_.impact, &gains_.imposed}) {

@@ -144,6 +144,10 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void rebuild_cells();
   void predict_accuracy();
   double asked_modulus_pa(size_t material) const;
+  double material_friction(size_t material) const;
+  double friction_at(
+      uint32_t point) const;  // of a surface point: that of its cell's materials by their shares
+  double max_friction() const;
   const GaussSeidelGains& gains_of(double h, bool second_order);
   void start_motion(const ElasticBodyDescription& description);
   std::vector<Eigen::Vector3d> node_velocities(std::span<const Eigen::Vector3d> velocities_m_s,

@@ -72,8 +72,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
   if (colliders_.sides.empty()) colliders_.sides.assign(surface_.points.size(), Side{});
   const size_t first_contact = colliders_.contacts.size();
   const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
-  const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction,
-                           uint32_t i) {
+  const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, uint32_t i) {
     NodeSample sample = surface_.points[i];
     Side& side = colliders_.sides[i];
     Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
@@ -100,6 +99,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const double gap_before = surface.distance_m - surface.normal.dot(moved);
     const double depth = std::min(0.0, gap_before + kContactPushSpeed_m_s * step_s) - surface.distance_m;
     if (depth <= 0.0 || w <= 0.0) return;
+    const double friction = mixed_friction(friction_at(i), collider.collider().friction);
     const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;
     apply_collider_contact(i, sample, point, pull_kg_m, step_s);
     const double size = pull_kg_m.norm() / step_s;
@@ -110,10 +110,9 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
         colliders_.candidates[step_.backward ? colliders_.candidates.size() - 1 - n : n];
     const SurfaceCell& cell = surface_.cells[candidate.cell];
     const ColliderProbe& collider = probes[candidate.collider];
-    const double friction = mixed_friction(materials_.own.friction, collider.collider().friction);
     const uint32_t count = cell.end - cell.begin;
     for (uint32_t i = 0; i < count; ++i) {
-      resolve(collider, candidate.collider, friction, step_.backward ? cell.end - 1 - i : cell.begin + i);
+      resolve(collider, candidate.collider, step_.backward ? cell.end - 1 - i : cell.begin + i);
     }
   }
   apply_rolling_resistance(first_contact, step_s);

@@ -305,7 +305,8 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
       row.anchor_b = body.anchor_at(row.point_m);
       row.normal = frame.from_world.transpose() * found.gradient;
       row.gap_m = found.distance_m;
-      row.friction = mixed_friction(materials_.own.friction, body.friction);
+      row.friction =
+          mixed_friction(friction_at(i), body.friction_at(frame.from_world * (point - frame.at_m)));
       row.other_body_id = body.body_id;
       row.point = i;
       start_from_last_force(row);
@@ -369,7 +370,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
     row.anchor_b = body.anchor_at(row.point_m);
     row.normal = -depth->normal;
     row.gap_m = gap;
-    row.friction = mixed_friction(materials_.own.friction, body.friction);
+    row.friction = mixed_friction(friction_at(depth->element), body.friction_at(local));
     row.other_body_id = body.body_id;
     rows.push_back(row);
   }
@@ -410,7 +411,7 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m + contacts.margin_m) continue;
     const ContactAnchor anchor =
         other.anchor_at(depth->element, position - depth->distance_m * depth->normal);
-    contacts.points.push_back({point.index, sample, anchor.sample, depth->normal});
+    contacts.points.push_back({point.index, depth->element, sample, anchor.sample, depth->normal});
   }
 }
 
@@ -426,7 +427,6 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& neighbour, 
   if (contacts.margin_m <= 0.0 || contacts.own_restarts != bodies_.restarts ||
       contacts.other_restarts != other.bodies_.restarts)
     find_elastic_contacts(other, h, contacts);
-  const double friction = mixed_friction(materials_.own.friction, other.materials_.own.friction);
   for (const ElasticContacts::Point& touch : contacts.points) {
     const Vector3d position = origin_m_ + nodes_.corrected_m(touch.own);
     const double gap_m = touch.normal.dot(position - other.place_now_m(touch.other));
@@ -439,7 +439,7 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& neighbour, 
     row.anchor_b.sample = touch.other;
     row.normal = touch.normal;
     row.gap_m = gap_m;
-    row.friction = friction;
+    row.friction = mixed_friction(friction_at(touch.point), other.friction_at(touch.other_point));
     row.other_body_id = neighbour.body_id;
     row.point = touch.point;
     start_from_last_force(row);

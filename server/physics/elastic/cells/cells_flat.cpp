@@ -164,6 +164,7 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
     });
     if (found == end) continue;
     if (!surface_.patches.empty()) return "its surface is curved and something is near";
+    if (!surface_.lattice_cells.empty()) return "its friction varies and something is near";
     FlatCollider flat;
     flat.index = k;
     flat.friction = mixed_friction(materials_.own.friction, collider.friction);

@@ -143,6 +143,7 @@ struct CurvedPatch {
 // Surface points, grouped by cell; cells_surface.cpp.
 struct Surface {
   std::vector<NodeSample> points;
+  std::vector<uint32_t> lattice_cells;  // by point; empty if the friction is the same everywhere
   std::vector<float> mobility;
   std::vector<CurvedPatch> patches;  // by point; empty if the whole surface is flat
   std::vector<SurfaceCell> cells;
@@ -191,9 +192,9 @@ struct ElasticContacts {
   double margin_m = 0.0;  // relative motion until they are found again
   int own_restarts = 0, other_restarts = 0;
   struct Point {
-    uint32_t point;
-    NodeSample own, other;  // material points that touch
-    Vector3d normal;        // outward, of the other body
+    uint32_t point, other_point;  // surface points
+    NodeSample own, other;        // material points that touch
+    Vector3d normal;              // outward, of the other body
   };
   std::vector<Point> points;
 };

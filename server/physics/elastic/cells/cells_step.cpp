@@ -229,7 +229,7 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
 // times the magnitude of their sum. In a held body the sum passes to the held nodes, so it is carried as
 // well.
 void CellsBody::update_carried_load(const SubstepPart& part) {
-  const double friction = materials_.own.friction, sum = ledger_.contact_impulse.norm();
+  const double friction = max_friction(), sum = ledger_.contact_impulse.norm();
   const double through = loads_.contact_n_s / std::sqrt(1.0 + friction * friction) - sum;
   const double part_of_mean = part.duration_s / (part.duration_s + kCarriedLoadTime_s);
   const double carried_n_s = 0.5 * std::max(0.0, through) + (holding_.held ? sum : 0.0);

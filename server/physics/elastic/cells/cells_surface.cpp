@@ -32,9 +32,13 @@ void CellsBody::make_surface(const std::vector<SurfacePatch>& patches) {
   std::stable_sort(points.begin(), points.end(),
                    [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
   const Matrix3d lattice_from_object = extent_.object_from_lattice.conjugate().toRotationMatrix();
+  const bool even_friction =
+      std::all_of(materials_.regions.begin(), materials_.regions.end(),
+                  [](const RegionMaterial& one) { return !one.friction && one.friction_factor == 1.0; });
   for (uint32_t i = 0; i < points.size(); ++i) {
     const SurfacePatch& patch = *points[i].patch;
     surface_.points.push_back(sample_at(points[i].at));
+    if (!even_friction) surface_.lattice_cells.push_back(static_cast<uint32_t>(points[i].at.cell));
     surface_.local.push_back(points[i].at.local.cast<float>());
     surface_.face_begins.push_back(static_cast<uint32_t>(surface_.face_normals.size()));
     for (const Vector3d& normal : patch.normals) {

@@ -129,7 +129,6 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
   for (RigidProxy* body : context.bodies) {
     const Pose from_before = body->before.inverse(), at = body->at_end(), from_at = at.inverse();
     if (body->shape->sample(from_at * centre).distance_m > around + h * body->fastest_m_s()) continue;
-    const double friction = mixed_friction(material_.friction, body->friction);
     const auto add = [&](uint32_t particle, const Vector3d& normal, double gap) {
       ContactConstraint row;
       row.a = &participant;
@@ -140,7 +139,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       row.anchor_b = body->anchor_at(row.point_m, origin_m_ + positions_m_[particle]);
       row.normal = normal;
       row.gap_m = gap;
-      row.friction = friction;
+      row.friction = mixed_friction(material_.friction, body->friction_at(from_at * row.point_m));
       row.other_body_id = body->body_id;
       rows.push_back(row);
     };

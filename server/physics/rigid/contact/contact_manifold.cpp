@@ -2,6 +2,7 @@
 #include "physics/rigid/contact/contact_manifold.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace livegs {
@@ -94,24 +95,46 @@ double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t featur
   return 0.0;
 }
 
-// Centre of pressure of the previous substep, where friction acts.
-void find_centre(const RigidBody& body, ContactManifold& manifold) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+// Friction of the pair at a point of the first body, as its arm from the centre of mass, world axes.
+double friction_at(const RigidBody& body, const ContactPair& pair, const Eigen::Vector3d& arm_m) {
+  const RigidBody* other = pair.other;
+  return mixed_friction(
+      body.friction_at(arm_m),
+      other ? other->friction_at(body.world_from_body.position_m + arm_m - other->world_from_body.position_m)
+            : pair.collider_friction);
+}
+
+// Friction of all points together, and where it acts: points are weighted by their impulses of the previous
+// substep, and the centre by their limits of Coulomb's law as well.
+void set_friction(const RigidBody& body, const ContactPair& pair, ContactManifold& manifold) {
+  const int count = manifold.point_count;
+  const bool even = !body.friction.boxes && !(pair.other && pair.other->friction.boxes);
+  std::array<double, kMaxManifoldPoints> frictions, weights;
   double weight = 0.0;
-  for (int i = 0; i < manifold.point_count; ++i) {
-    centre += manifold.points[i].impulse_n_s * manifold.points[i].arm_a_m;
-    weight += manifold.points[i].impulse_n_s;
+  for (int i = 0; i < count; ++i) {
+    frictions[i] = even ? 1.0 : friction_at(body, pair, manifold.points[i].arm_a_m);
+    weights[i] = manifold.points[i].impulse_n_s;
+    weight += weights[i];
   }
   if (weight <= 0.0) {
-    centre.setZero();
-    for (int i = 0; i < manifold.point_count; ++i) centre += manifold.points[i].arm_a_m;
-    weight = manifold.point_count;
+    weights.fill(1.0);
+    weight = count;
   }
-  manifold.arm_a_m = centre / weight;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double limit = 0.0;
+  for (int i = 0; i < count; ++i) {
+    centre += weights[i] * frictions[i] * manifold.points[i].arm_a_m;
+    limit += weights[i] * frictions[i];
+  }
+  if (limit <= 0.0) {  // no friction at all
+    for (int i = 0; i < count; ++i) centre += weights[i] * manifold.points[i].arm_a_m;
+  }
+  manifold.friction = even ? friction_at(body, pair, Eigen::Vector3d::Zero()) : limit / weight;
+  manifold.arm_a_m = centre / (limit > 0.0 ? limit : weight);
   manifold.arm_body_m = body.world_from_body.orientation.conjugate() * manifold.arm_a_m;
   manifold.twist_radius_m = 0.0;
-  for (int i = 0; i < manifold.point_count; ++i) {
-    manifold.twist_radius_m += (manifold.points[i].arm_a_m - manifold.arm_a_m).norm() / manifold.point_count;
+  for (int i = 0; i < count; ++i) {
+    manifold.twist_radius_m += (manifold.points[i].arm_a_m - manifold.arm_a_m).norm() / count;
   }
 }
 
@@ -153,7 +176,6 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair) {
     return false;
   }
   ContactManifold manifold = *earlier;
-  manifold.friction = pair.friction;
   manifold.restitution = pair.restitution;
   const Pose& place = body.world_from_body;
   manifold.normal = (manifold.normal_is_others ? other.world_from_body.orientation : place.orientation) *
@@ -165,7 +187,7 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair) {
     const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
     point.separation_m = manifold.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
   }
-  find_centre(body, manifold);
+  set_friction(body, pair, manifold);
   body.manifolds.push_back(manifold);
   return true;
 }
@@ -197,7 +219,6 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
     ContactManifold manifold;
     manifold.other = pair.other;
     manifold.other_id = pair.other_id;
-    manifold.friction = pair.friction;
     manifold.restitution = pair.restitution;
     manifold.restitution_speed_m_s = pair.restitution_speed_m_s;
     manifold.push_speed_m_s = pair.push_speed_m_s;
@@ -215,7 +236,7 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
       manifold.normal += candidate->normal;
     }
     manifold.normal.normalize();
-    find_centre(body, manifold);
+    set_friction(body, pair, manifold);
     if (pair.lasts) remember(body, manifold);
     if (const ContactManifold* earlier = previous_manifold(body, manifold)) {
       manifold.friction_impulse_n_s = earlier->friction_impulse_n_s;

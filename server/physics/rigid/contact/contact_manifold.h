@@ -14,7 +14,7 @@ namespace livegs {
 struct ContactPair {
   RigidBody* other = nullptr;
   uint64_t other_id = 0;
-  double friction = 0;
+  double collider_friction = 0;  // without another body
   double restitution = 0;
   double restitution_speed_m_s = 0;
   double push_speed_m_s = 0;

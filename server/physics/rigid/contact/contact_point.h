@@ -47,7 +47,8 @@ struct ContactManifold {
 
   bool turns = false;  // whether all points do
 
-  // Friction acts at the centre of pressure, in the plane of the mean normal, with a torsional part about it.
+  // Friction acts at the centre of pressure, towards points of more friction, in the plane of the mean
+  // normal, with a torsional part about it.
   Eigen::Vector3d normal;
   Eigen::Vector3d arm_a_m, arm_body_m;
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();

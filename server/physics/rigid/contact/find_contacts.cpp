@@ -43,10 +43,9 @@ double sample_error_m(const Collider& collider) {
 double margin_m(const RigidBody& body) { return kContactMargin * body.shape.bounding_radius_m; }
 
 // Contact parameters of a pair. The smaller body determines size_m and the sleep speed.
-ContactPair pair_of(const RigidBody& body, const RigidBody* other, double friction, double restitution,
-                    double gravity_m_s2, double duration_s) {
+ContactPair pair_of(const RigidBody& body, const RigidBody* other, double restitution, double gravity_m_s2,
+                    double duration_s) {
   ContactPair pair;
-  pair.friction = mixed_friction(body.friction, friction);
   pair.restitution = mixed_restitution(body.restitution, restitution);
   const RigidBody& smaller =
       other && other->shape.bounding_radius_m < body.shape.bounding_radius_m ? *other : body;
@@ -164,8 +163,8 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
         body.velocity_m_s, marching_factor(collider), search, cores);
     if (without(Mechanism::BodyCores)) cores.clear();
     if (candidates.empty() && cores.empty()) continue;
-    ContactPair pair =
-        pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
+    ContactPair pair = pair_of(body, nullptr, collider.restitution, gravity_m_s2, duration_s);
+    pair.collider_friction = collider.friction;
     pair.other_id = kColliderBit + index;
     append_manifolds(body, pair, candidates);
     // Separate manifold: among closer points the core would be dropped.
@@ -246,7 +245,7 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
       body.shape.bounding_radius_m + other.shape.bounding_radius_m + motion + search.margin_m;
   if (between.squaredNorm() > reach * reach) return;
 
-  ContactPair pair = pair_of(body, &other, other.friction, other.restitution, gravity_m_s2, duration_s);
+  ContactPair pair = pair_of(body, &other, other.restitution, gravity_m_s2, duration_s);
   pair.other = &other;
   pair.other_id = other.body_id();
   pair.lasts = body.shape.convex && other.shape.convex && !body.shape.round && !other.shape.round;

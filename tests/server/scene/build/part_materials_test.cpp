@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "analysis/division/part_places.h"
+#include "analysis/knowledge/tables.h"
 #include "analysis/physics_file.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
@@ -112,6 +113,28 @@ TEST(PartMaterials, RegionsOfAnElasticBodyKeepItsMass) {
   // The handle is of the body's own class; steel is as stiff as a visible difference needs.
   EXPECT_EQ(body.regions[0].material->youngs_modulus_factor, 1);
   EXPECT_EQ(body.regions[1].material->youngs_modulus_factor, 10);
+}
+
+TEST(PartMaterials, FrictionIsThatOfTheMaterialsInProportion) {
+  v1::PhysicalParameters parameters = bar_parts();
+  const double ratio = find_material_row("carbon steel")->friction / find_material_row("hardwood")->friction;
+  ASSERT_NE(ratio, 1);
+  SurfaceFriction friction{.own = 0.4, .boxes = nullptr};
+  friction.boxes = std::make_shared<const std::vector<FrictionBox>>(part_friction(parameters));
+  EXPECT_DOUBLE_EQ(friction.at({0.3, 0, 0}, 0.5), 0.4 * ratio);
+  EXPECT_DOUBLE_EQ(friction.at({-0.3, 0, 0}, 0.5), 0.4);
+  ElasticBodyDescription body;
+  body.particles = sample_particles(box_mesh(Vector3d(1, 0.1, 0.1)));
+  body.material.mass_kg = 2;
+  body.material.youngs_modulus_pa = 1e6;
+  add_part_regions(parameters, body);
+  EXPECT_EQ(body.regions[0].material->friction_factor, 1);
+  EXPECT_EQ(body.regions[1].material->friction_factor, ratio);
+  // Of one friction: no boxes, and the same bits as an object without parts.
+  parameters.mutable_parts(0)->set_material("hardwood");
+  EXPECT_TRUE(part_friction(parameters).empty());
+  parameters.mutable_parts(0)->set_material("of no table");
+  EXPECT_TRUE(part_friction(parameters).empty());
 }
 
 class BuiltPartsTest : public ::testing::Test {
