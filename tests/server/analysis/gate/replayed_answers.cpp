@@ -38,8 +38,7 @@ std::vector<MassAnswer> replay_answers(const std::vector<KnownObject>& objects, 
       const nlohmann::json answer = replayed_answer(name == NameGiven::Label ? object.label : object.noun,
                                                     object.mass_kg, facts, random);
       const Judgement judgement = judge(answer, facts);
-      if (judgement.verdict == Verdict::Refused) continue;
-      const auto& mass = judgement.proposal.mass_kg();
+      const auto& mass = judgement.parameters.mass_kg();
       answers.push_back({object.id, object.mass_kg, mass.low(), mass.best(), mass.high()});
     }
   }

@@ -19,8 +19,8 @@ nlohmann::json replayed_answer(const std::string& name, double true_kg, const Ob
                                std::mt19937_64& random);
 
 // `repeats` answers about each object, through the gate. NameGiven::Label: the object has its label, and the
-// answer repeats it; otherwise the object has no name, and the answer has its noun. An answer that is refused
-// is left out.
+// answer repeats it; otherwise the object has no name, and the answer has its noun. The masses are those that
+// the object has afterwards: the offline ones where an answer is refused or only proposed.
 std::vector<MassAnswer> replay_answers(const std::vector<KnownObject>& objects, NameGiven name, int repeats);
 
 }  // namespace livegs
