@@ -17,7 +17,7 @@ struct CompositeObject {
   GaussianAsset asset;
   std::vector<uint16_t> part;  // of each kernel: index in the parts of its row of objects.csv
   Similarity object_from_asset;
-  // Centre of mass with the mass shares of its row, each part even within its solids; object frame, metres.
+  // Centre of mass by the densities of its solids, which are not those of the tables; object frame, metres.
   Eigen::Vector3d centre_of_mass_m = Eigen::Vector3d::Zero();
 };
 
