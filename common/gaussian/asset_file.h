@@ -58,7 +58,8 @@ struct SpzOptions {
 };
 
 // The writers store the frame as asset_frame.h describes: .ply and .compressed.ply as comments, .sog as
-// member "livegs" of meta.json, .spz as extension record 0x4c560001. .splat stores none.
+// member "livegs" of meta.json, .spz as extension record 0x4c560001, .glb as asset.extras.livegs. .splat
+// stores none.
 
 // Writes binary little-endian .ply in the INRIA property order, normals zero. Decoding returns the same bits.
 // The server sends this form to clients. `with_origin` adds the frame's origin to the positions and writes
@@ -96,6 +97,10 @@ Result<std::vector<std::byte>> encode_compressed_ply(const GaussianAsset& asset,
 //   rotations      1.1 degrees
 Result<std::vector<std::byte>> encode_sog(const GaussianAsset& asset, const AssetFrame& frame = {});
 
+// Writes a .glb with KHR_gaussian_splatting, in floats. Values are exact to their rounding; opacities within
+// 6e-8 of 1 become 1.
+Result<std::vector<std::byte>> encode_glb(const GaussianAsset& asset, const AssetFrame& frame = {});
+
 // Writes 32-byte records in descending order of opacity times volume. Positions and deviations are exact to a
 // float; worst-case errors: opacity 1/510, sh_dc 0.007 within +-1.77, rotations 1.1 degrees. Harmonics of
 // degree 1 and up are left out.
@@ -106,7 +111,8 @@ struct WriteOptions {
   bool with_origin = false;  // .ply: see encode_ply
 };
 
-inline constexpr const char* kWrittenEndings[] = {".ply", ".compressed.ply", ".spz", ".sog", ".splat"};
+inline constexpr const char* kWrittenEndings[] = {".ply", ".compressed.ply", ".spz",
+                                                  ".sog", ".splat",          ".glb"};
 
 // Selects the format by extension, in any letter case: one of kWrittenEndings. Replaces the file atomically.
 Result<void> write_asset(const std::filesystem::path& path, const GaussianAsset& asset,

@@ -30,6 +30,9 @@ struct AssetFrame {
 // `metric_format`: the format's unit is the metre by convention, so that an unknown unit must be stated.
 std::vector<std::string> frame_lines(const AssetFrame& frame, bool metric_format);
 
+// The same without the axis, for formats in metres whose up axis is y: writers turn the asset.
+std::vector<std::string> y_up_frame_lines(AssetFrame frame);
+
 // Reads one such line; keys and values in any letter case. Other lines are ignored. Returns a note for a
 // known key whose value is not understood, else an empty text.
 std::string read_frame_line(std::string_view line, AssetFrame& frame);

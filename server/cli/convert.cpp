@@ -27,8 +27,9 @@ Result<void> turn_and_scale(const ConvertCommand& options, AssetFile& file) {
   if (!y_up) return y_up.error();
   double scale = options.scale;
   if (file.frame.metres_per_unit > 0) {
-    // .spz is in metres.
-    if (has_ending(options.to.string(), ".spz") && scale == 1) scale = file.frame.metres_per_unit;
+    // These are in metres.
+    const std::string to = options.to.string();
+    if ((has_ending(to, ".spz") || has_ending(to, ".glb")) && scale == 1) scale = file.frame.metres_per_unit;
     file.frame.metres_per_unit /= scale;
   }
   if (!up.empty() || scale != 1) {
@@ -42,7 +43,7 @@ Result<void> turn_and_scale(const ConvertCommand& options, AssetFile& file) {
 }
 
 int run(const ConvertCommand& options) {
-  if (auto checked = check_output_file(options.to, {".ply", ".spz", ".sog", ".splat"}); !checked)
+  if (auto checked = check_output_file(options.to, {".ply", ".spz", ".sog", ".splat", ".glb"}); !checked)
     return report(checked.error());
   if (!(options.scale > 0) || !std::isfinite(options.scale))
     return report(invalid_argument("--scale: must be a number above 0"));
@@ -75,7 +76,7 @@ void add_convert(CLI::App& app, int& exit_code) {
           "unpacked or streamed .sog")
       ->required()
       ->type_name("");
-  command->add_option("TO", options->to, "Output: a .ply, .compressed.ply, .spz, .sog or .splat file")
+  command->add_option("TO", options->to, "Output: a .ply, .compressed.ply, .spz, .sog, .splat or .glb file")
       ->required()
       ->type_name("");
   command

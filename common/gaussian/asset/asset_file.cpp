@@ -154,6 +154,7 @@ Result<void> write_asset(const std::filesystem::path& path, const GaussianAsset&
   if (*ending == ".spz") return write(encode_spz(asset, options.spz, frame));
   if (*ending == ".sog") return write(encode_sog(asset, frame));
   if (*ending == ".splat") return write(encode_splat(asset));
+  if (*ending == ".glb") return write(encode_glb(asset, frame));
   if (*ending == ".compressed.ply") return write(encode_compressed_ply(asset, frame));
   return write(encode_ply(asset, frame, options.with_origin));
 }

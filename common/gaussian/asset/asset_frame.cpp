@@ -109,6 +109,11 @@ std::vector<std::string> frame_lines(const AssetFrame& frame, bool metric_format
   return lines;
 }
 
+std::vector<std::string> y_up_frame_lines(AssetFrame frame) {
+  frame.up_axis.clear();
+  return frame_lines(frame, true);
+}
+
 std::string read_frame_line(std::string_view line, AssetFrame& frame) {
   const size_t colon = line.find_first_of(":=");
   if (colon == line.npos) return "";

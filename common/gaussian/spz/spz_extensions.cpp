@@ -4,10 +4,8 @@
 namespace livegs {
 
 std::vector<std::byte> spz_frame_record(const AssetFrame& frame) {
-  AssetFrame stated = frame;
-  stated.up_axis.clear();  // the format has y up; writers turn the asset
   std::string text;
-  for (const std::string& line : frame_lines(stated, true)) text += line + "\n";
+  for (const std::string& line : y_up_frame_lines(frame)) text += line + "\n";
   std::vector<std::byte> record;
   if (text.empty()) return record;
   append(record, kSpzFrameRecord);

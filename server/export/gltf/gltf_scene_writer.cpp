@@ -12,12 +12,10 @@
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/text/path_ending.h"
-#include "export/gltf/gltf_buffer.h"
 #include "export/gltf_scene.h"
 #include "export/model/message_text.h"
-#include "gaussian/asset/y_up.h"
 #include "gaussian/asset_file.h"
-#include "gaussian/spherical_harmonics.h"
+#include "gaussian/gltf_splats.h"
 
 namespace livegs {
 namespace {
@@ -30,8 +28,6 @@ using Kind = PortableShape::Kind;
 using Bounds = GltfBuffer::Bounds;
 using Use = GltfBuffer::Use;
 
-constexpr const char* kSplats = "KHR_gaussian_splatting";
-constexpr const char* kSpz = "KHR_gaussian_splatting_compression_spz_2";
 constexpr const char* kBodies = "KHR_physics_rigid_bodies";
 constexpr const char* kShapes = "KHR_implicit_shapes";
 constexpr const char* kOwn = "LIVEGS_physics";
@@ -183,81 +179,10 @@ class SceneEncoder {
     const std::vector<std::byte> bytes = encode_ply(original);
     const std::string key = content_hash(bytes) + (original.antialiased ? "a" : "");
     if (const auto known = splat_meshes_.find(key); known != splat_meshes_.end()) return known->second;
-    GaussianAsset asset = original;
-    turn_half_about_x(asset);
-    Json primitive{{"mode", 0}};
-    Json& extension = primitive["extensions"][kSplats];
-    extension = {{"kernel", "ellipse"},
-                 {"colorSpace", "srgb_rec709_display"},
-                 {"projection", "perspective"},
-                 {"sortingMethod", "cameraDistance"}};
-    used_.insert(kSplats);
-    if (options_.spz) {
-      auto spz = encode_spz(original);
-      if (!spz) return spz.error();
-      extension["extensions"][kSpz]["bufferView"] = buffer_.add_view(*spz);
-      used_.insert(kSpz);
-    }
-    primitive["attributes"] = attributes(asset);
-    meshes_.push_back({{"primitives", Json::array({std::move(primitive)})}});
+    auto primitive = gltf_splat_primitive(original, options_.spz, buffer_, used_);
+    if (!primitive) return primitive.error();
+    meshes_.push_back({{"primitives", Json::array({std::move(*primitive)})}});
     return splat_meshes_[key] = meshes_.size() - 1;
-  }
-
-  Json attributes(const GaussianAsset& asset) {
-    const size_t count = asset.size();
-    const std::string prefix = std::string(kSplats) + ":";
-    Json list;
-    Vector3f low = asset.positions[0], high = low;
-    for (const Vector3f& position : asset.positions) {
-      low = low.cwiseMin(position);
-      high = high.cwiseMax(position);
-    }
-    const auto add = [&](const std::string& name, size_t components, const auto& value_of) {
-      const bool position = name == "POSITION";
-      if (options_.spz) {
-        list[name] =
-            buffer_.add_empty(count, components, position ? &low : nullptr, position ? &high : nullptr);
-        return;
-      }
-      std::vector<float> values(count * components);
-      for (size_t i = 0; i < count; ++i) {
-        const auto value = value_of(i);
-        for (size_t k = 0; k < components; ++k)
-          values[i * components + k] = value[static_cast<Eigen::Index>(k)];
-      }
-      list[name] =
-          buffer_.add_floats(values, components, position ? Bounds::Stated : Bounds::None, Use::Vertices);
-    };
-    using Scalar = Eigen::Matrix<float, 1, 1>;
-    const auto opacity = [&](size_t i) { return 1.0f / (1.0f + std::exp(-asset.opacity_logits[i])); };
-    add("POSITION", 3, [&](size_t i) { return asset.positions[i]; });
-    add(prefix + "ROTATION", 4, [&](size_t i) { return asset.rotations[i].coeffs(); });
-    add(prefix + "SCALE", 3, [&](size_t i) { return Vector3f(asset.log_scales[i].array().exp()); });
-    add(prefix + "OPACITY", 1, [&](size_t i) { return Scalar(opacity(i)); });
-    add(prefix + "SH_DEGREE_0_COEF_0", 3, [&](size_t i) { return asset.sh_dc[i]; });
-    size_t k = 0;
-    for (int degree = 1; degree <= asset.sh_degree; ++degree) {
-      for (int n = 0; n < 2 * degree + 1; ++n, ++k) {
-        add(prefix + "SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(n), 3,
-            [&](size_t i) { return asset.sh_rest[i * asset.sh_rest_count() + k]; });
-      }
-    }
-    if (options_.spz) {
-      list["COLOR_0"] = buffer_.add_empty(count, 4, nullptr, nullptr);
-      return list;
-    }
-    // For viewers without the extension, which draw coloured points.
-    std::vector<uint8_t> colours(4 * count);
-    const auto byte_of = [](float value) {
-      return static_cast<uint8_t>(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f)));
-    };
-    for (size_t i = 0; i < count; ++i) {
-      for (int c = 0; c < 3; ++c)
-        colours[4 * i + static_cast<size_t>(c)] = byte_of(0.5f + kShBand0 * asset.sh_dc[i][c]);
-      colours[4 * i + 3] = byte_of(opacity(i));
-    }
-    list["COLOR_0"] = buffer_.add_colours(colours);
-    return list;
   }
 
   size_t material_of(double friction, double restitution) {
@@ -453,29 +378,7 @@ Result<GltfFiles> encode_gltf_scene(const PortableScene& scene, std::string_view
 }
 
 Result<std::vector<std::byte>> encode_glb(const GltfFiles& files) {
-  const auto padded = [](size_t size) { return (size + 3) / 4 * 4; };
-  const size_t total =
-      12 + 8 + padded(files.json.size()) + (files.binary.empty() ? 0 : 8 + padded(files.binary.size()));
-  if (total > UINT32_MAX)
-    return Error{ErrorCode::TooLarge, "the scene has more than 4 GiB, the maximum of a .glb; write a .gltf"};
-  std::vector<std::byte> glb;
-  glb.reserve(total);
-  const auto word = [&](uint32_t value) {
-    const auto* bytes = reinterpret_cast<const std::byte*>(&value);
-    glb.insert(glb.end(), bytes, bytes + 4);
-  };
-  const auto chunk = [&](uint32_t kind, std::span<const std::byte> bytes, char filler) {
-    word(static_cast<uint32_t>(padded(bytes.size())));
-    word(kind);
-    glb.insert(glb.end(), bytes.begin(), bytes.end());
-    glb.resize(padded(glb.size()), static_cast<std::byte>(filler));
-  };
-  word(0x46546c67);
-  word(2);
-  word(static_cast<uint32_t>(total));
-  chunk(0x4e4f534a, std::as_bytes(std::span(files.json)), ' ');
-  if (!files.binary.empty()) chunk(0x004e4942, files.binary, 0);
-  return glb;
+  return join_glb(files.json, files.binary);
 }
 
 Result<std::vector<std::filesystem::path>> write_gltf_scene(const std::filesystem::path& path,

@@ -104,6 +104,23 @@ TEST(RoundTrip, SogStaysWithinItsSteps) {
   }
 }
 
+TEST(RoundTrip, GlbIsExactToRounding) {
+  for (int degree = 0; degree <= 3; ++degree) {
+    GaussianAsset asset = synthetic_asset(300, degree, 50);
+    asset.antialiased = degree == 3;
+    const GaussianAsset back = decoded(encode_glb(asset), "a.glb");
+    EXPECT_EQ(back.antialiased, asset.antialiased);
+    const Differences worst = compared(asset, back, kRounding);
+    EXPECT_EQ(worst.position, 0);
+    EXPECT_LE(worst.log_scale, 1e-6f);
+    EXPECT_LE(worst.rotation_deg, 0.05f);  // float rounding of the angle's cosine
+    EXPECT_LE(worst.opacity, 1e-6f);
+    EXPECT_LE(worst.sh_dc, 0);
+    EXPECT_LE(worst.sh1, 1e-6f);
+    EXPECT_LE(worst.sh_rest, 1e-6f);
+  }
+}
+
 // One far value and one extreme scale: the others keep their precision, since tables follow the values.
 TEST(RoundTrip, SogTablesFollowTheValues) {
   GaussianAsset asset = synthetic_asset(2000, 0, 7);
@@ -170,8 +187,8 @@ TEST(RoundTrip, FramesSurviveEveryFormat) {
       frame.origin = origin;
       GaussianAsset at = asset;
       AssetFrame now = frame;
-      for (const char* file :
-           {"a.ply", "a.SPZ", "a.compressed.ply", "b.spz", "a.sog", "c.ply", "c.Sog", "d.spz"}) {
+      for (const char* file : {"a.ply", "a.SPZ", "a.compressed.ply", "b.spz", "a.glb", "a.sog", "c.ply",
+                               "c.Sog", "d.spz", "b.Glb"}) {
         ASSERT_TRUE(write_asset(folder / file, at, now));
         const auto read = read_asset(folder / file);
         ASSERT_TRUE(read) << read.error().message;

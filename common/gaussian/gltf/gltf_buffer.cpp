@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // The glTF 2.0 specification, section 3.6.
-#include "export/gltf/gltf_buffer.h"
+#include "gaussian/gltf_buffer.h"
 
 #include <algorithm>
 
