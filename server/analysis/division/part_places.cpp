@@ -13,6 +13,8 @@ namespace {
 
 // Deviation from 1 of the sum of the shares that rounding by hand may leave.
 constexpr double kShareSlack = 0.02;
+// Bytes. Longer names fill a line of a table or panel.
+constexpr size_t kMaxPartName = 80;
 
 Result<void> check_box(const v1::MaterialPart::Box& box, const std::string& field) {
   for (const auto& [name, corner] : {std::pair("min_m", &box.min_m()), std::pair("max_m", &box.max_m())}) {
@@ -24,6 +26,36 @@ Result<void> check_box(const v1::MaterialPart::Box& box, const std::string& fiel
   const Eigen::AlignedBox3d sides = part_box(box);
   if (!(sides.min().array() < sides.max().array()).all())
     return invalid_argument(field + ": min_m is not below max_m; swap them");
+  return {};
+}
+
+// The name of part i: given, short, and none of an earlier part.
+Result<void> check_name(const MaterialParts& parts, int i, const std::string& field) {
+  const std::string& name = parts[i].name();
+  if (name.empty()) return invalid_argument(field + ".name: is empty; give the part a name");
+  if (name.size() > kMaxPartName)
+    return invalid_argument(field +
+                            format_text(".name: has %zu bytes; give at most %zu", name.size(), kMaxPartName));
+  const bool taken = std::any_of(parts.begin(), parts.begin() + i,
+                                 [&](const v1::MaterialPart& earlier) { return earlier.name() == name; });
+  if (taken)
+    return invalid_argument(field + ".name: \"" + shown_text(name, 60) +
+                            "\" is already that of another part; give another name");
+  return {};
+}
+
+// Of several parts without boxes in a divided object, only the first can have a point.
+Result<void> check_rest(const MaterialParts& parts) {
+  const PartPlaces places(parts);
+  if (!places.divided()) return {};
+  const auto rest = static_cast<int>(places.rest());
+  for (int i = rest + 1; i < parts.size(); ++i) {
+    if (!parts[rest].boxes().empty() || !parts[i].boxes().empty()) continue;
+    return invalid_argument(format_text("parts[%d].boxes: are missing, but ", i) + "\"" +
+                            shown_text(parts[rest].name(), 60) +
+                            "\" has all points outside the boxes; give \"" + shown_text(parts[i].name(), 60) +
+                            "\" a box or remove it");
+  }
   return {};
 }
 
@@ -65,6 +97,7 @@ Result<void> check_parts(const MaterialParts& parts) {
   for (int i = 0; i < parts.size(); ++i) {
     const v1::MaterialPart& part = parts[i];
     const std::string field = "parts[" + std::to_string(i) + "]";
+    if (auto checked = check_name(parts, i, field); !checked) return checked;
     if (!find_material_row(part.material())) {
       return invalid_argument(field + ".material: \"" + shown_text(part.material(), 60) +
                               "\" is not in the table; give a name of materials.csv");
@@ -87,7 +120,7 @@ Result<void> check_parts(const MaterialParts& parts) {
   }
   if (std::abs(sum - 1) > kShareSlack)
     return invalid_argument(format_text("parts: the mass shares sum to %g; they must sum to 1", sum));
-  return {};
+  return check_rest(parts);
 }
 
 }  // namespace livegs

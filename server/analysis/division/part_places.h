@@ -20,8 +20,8 @@ void set_boxes(std::span<const Eigen::AlignedBox3d> boxes, v1::MaterialPart& par
 void scale_parts(double factor, MaterialParts& parts);
 // One line: "pot of terracotta, 40 % of the mass, 1900 kg/m3, 2 boxes"; what is unknown is left out.
 std::string part_line(const v1::MaterialPart& part);
-// Checks materials, shares, limits and boxes that a person or an author wrote. The error begins with
-// "parts[0].mass_share" or the like.
+// Checks names, materials, shares, limits and boxes that a person or an author wrote. The error begins with
+// "parts[0].mass_share" or the like. Whether boxes are within the body is known when it is built.
 Result<void> check_parts(const MaterialParts& parts);
 
 }  // namespace livegs

@@ -201,10 +201,12 @@ std::optional<StandingBase> stand(TriangleMesh& mesh, const Eigen::Vector3d& cen
   return base;
 }
 
-MassProperties properties_of(const TriangleMesh& mesh, Fill fill, v1::PhysicalParameters& parameters) {
+// `part_warnings`: set to those of weigh_parts().
+MassProperties properties_of(const TriangleMesh& mesh, Fill fill, v1::PhysicalParameters& parameters,
+                             std::vector<std::string>& part_warnings) {
   const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) && !has_hollow(mesh);
   MassProperties properties = shell ? shell_mass_properties(mesh) : solid_mass_properties(mesh);
-  weigh_parts(mesh, shell, parameters, properties);
+  part_warnings = weigh_parts(mesh, shell, parameters, properties);
   return properties;
 }
 
@@ -387,6 +389,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
         " only for elastic objects, and this object is " +
         v1::Physics::Behavior_Name(parameters->behavior()) + "; set physics.behavior to ELASTIC");
   }
+  std::vector<std::string> part_warnings;  // of the body that is chosen
   std::optional<ElasticBodyDescription> elastic;
   if (material.behavior == Behavior::Elastic) {
     auto described = elastic_description(object, *form, field);
@@ -398,7 +401,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       built.drawn.warnings.push_back(doubt);
     }
     elastic->material = material;
-    add_part_regions(*parameters, *elastic);
+    part_warnings = add_part_regions(*parameters, *elastic);
     // Replaces an elastic body by a rigid one only if ELASTIC was not set by the user and is not required.
     if (object.physics().behavior() == v1::Physics::AUTO && kept.edits().behavior() == v1::Physics::AUTO &&
         elastic_only.empty()) {
@@ -435,7 +438,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (base && !material.fragile) {
         // The collision mesh is another surface, and the material may be a shell.
         const StandingBase fine = *base;
-        const Eigen::Vector3d centre = properties_of(body.mesh, material.fill, *parameters).centre_of_mass_m;
+        const Eigen::Vector3d centre =
+            properties_of(body.mesh, material.fill, *parameters, part_warnings).centre_of_mass_m;
         if (const auto own = stand(body.mesh, centre)) base = own;
         base->widened = std::max(base->widened, fine.widened);
         base->margin = std::min(base->margin, fine.margin);
@@ -452,7 +456,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
                                          hollow.error().message);
         }
       }
-      body.properties = properties_of(*built.cut_mesh, material.fill, *parameters);
+      body.properties = properties_of(*built.cut_mesh, material.fill, *parameters, part_warnings);
       if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
       if (shape && !material.fragile) body.round = round_shape(object.shape());
       body.material = material;
@@ -476,6 +480,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       built.body = std::move(body);
     }
   }
+  for (std::string& warning : part_warnings) built.drawn.warnings.push_back(std::move(warning));
   if (base && base->margin < kStandingMargin) {
     char text[160];
     std::snprintf(text, sizeof text,

@@ -8,6 +8,7 @@
 
 #include "analysis/division/part_places.h"
 #include "analysis/knowledge/tables.h"
+#include "core/text/shown_text.h"
 #include "geometry/field/sample_particles.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/triangle_pieces.h"
@@ -61,6 +62,20 @@ double friction_factor(const v1::PhysicalParameters& parameters, size_t part) {
   return own && row && own->friction > 0 ? row->friction / own->friction : 1.0;
 }
 
+// Lines for the parts with boxes that have no extent: the boxes are outside the body, or in later ones.
+std::vector<std::string> without_material(const MaterialParts& parts, const std::vector<double>& extents) {
+  std::vector<std::string> lines;
+  for (size_t i = 0; i < extents.size(); ++i) {
+    const v1::MaterialPart& part = parts[static_cast<int>(i)];
+    if (extents[i] > 0 || part.boxes().empty()) continue;
+    lines.push_back(
+        "part \"" + shown_text(part.name(), 60) +
+        "\" has no material in its boxes, and its mass goes to the others; move the boxes into the "
+        "object and out of later ones, or remove the part");
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::vector<FrictionBox> part_friction(const v1::PhysicalParameters& parameters) {
@@ -76,11 +91,11 @@ std::vector<FrictionBox> part_friction(const v1::PhysicalParameters& parameters)
   return even ? std::vector<FrictionBox>() : boxes;
 }
 
-void weigh_parts(const TriangleMesh& mesh, bool shell, v1::PhysicalParameters& parameters,
-                 MassProperties& properties) {
+std::vector<std::string> weigh_parts(const TriangleMesh& mesh, bool shell, v1::PhysicalParameters& parameters,
+                                     MassProperties& properties) {
   MaterialParts& parts = *parameters.mutable_parts();
   const PartPlaces places(parts);
-  if (!places.divided()) return;
+  if (!places.divided()) return {};
   const std::vector<MassSample> samples = mass_samples(mesh, shell);
   std::vector<double> extents(static_cast<size_t>(parts.size()), 0.0);
   for (const MassSample& sample : samples) extents[places.at(sample.point_m)] += sample.extent;
@@ -92,7 +107,7 @@ void weigh_parts(const TriangleMesh& mesh, bool shell, v1::PhysicalParameters& p
     mass += one;
     moment += one * sample.point_m;
   }
-  if (!(mass > 0)) return;
+  if (!(mass > 0)) return without_material(parts, extents);
   const Eigen::Vector3d centre = moment / mass;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (const MassSample& sample : samples) {
@@ -110,12 +125,13 @@ void weigh_parts(const TriangleMesh& mesh, bool shell, v1::PhysicalParameters& p
     parts[i].set_density_kg_m3(
         wall_m > 0 ? densities[static_cast<size_t>(i)] * parameters.mass_kg().best() / wall_m : 0.0);
   }
+  return without_material(parts, extents);
 }
 
-void add_part_regions(v1::PhysicalParameters& parameters, ElasticBodyDescription& body) {
+std::vector<std::string> add_part_regions(v1::PhysicalParameters& parameters, ElasticBodyDescription& body) {
   MaterialParts& parts = *parameters.mutable_parts();
   const PartPlaces places(parts);
-  if (!places.divided()) return;
+  if (!places.divided()) return {};
   const ParticleSet& particles = body.particles;
   std::vector<double> extents(static_cast<size_t>(parts.size()), 0.0);
   for (size_t i = 0; i < particles.positions_m.size(); ++i)
@@ -159,6 +175,7 @@ void add_part_regions(v1::PhysicalParameters& parameters, ElasticBodyDescription
     add(box.part, box.box.min().cwiseMax(-far), box.box.max().cwiseMin(far));
   body.regions.insert(body.regions.begin(), regions.begin(), regions.end());
   for (int i = 0; i < parts.size(); ++i) parts[i].set_density_kg_m3(densities[static_cast<size_t>(i)]);
+  return without_material(parts, extents);
 }
 
 }  // namespace livegs

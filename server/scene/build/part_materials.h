@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/triangle_mesh.h"
 #include "livegs/v1/physics.pb.h"
@@ -12,12 +15,13 @@ namespace livegs {
 // Effect of the parts of an object (PhysicalParameters::parts) on its body. The total mass stays; each part
 // has its share of it, evenly within its place. Parts without material in their place leave their share to
 // the others. The friction of a part is to that of the object as the two materials' frictions in the table.
-// The functions do nothing if the object is not divided.
+// The functions do nothing if the object is not divided. Those with lines return one for display for each
+// part whose boxes hold no material.
 
 // Changes centre of mass and inertia of a rigid body, and sets density_kg_m3 of the parts. `shell`: the mass
 // lies on the surface of the mesh.
-void weigh_parts(const TriangleMesh& mesh, bool shell, v1::PhysicalParameters& parameters,
-                 MassProperties& properties);
+std::vector<std::string> weigh_parts(const TriangleMesh& mesh, bool shell, v1::PhysicalParameters& parameters,
+                                     MassProperties& properties);
 
 // Empty if the friction is the same everywhere.
 std::vector<FrictionBox> part_friction(const v1::PhysicalParameters& parameters);
@@ -26,6 +30,6 @@ std::vector<FrictionBox> part_friction(const v1::PhysicalParameters& parameters)
 // of the part's material; that of the body where both are of one class. A part is at most ten times as stiff
 // as the body: what bends less is not visible, and it would take the stiffness from the others
 // (lattice_resolution.h).
-void add_part_regions(v1::PhysicalParameters& parameters, ElasticBodyDescription& body);
+std::vector<std::string> add_part_regions(v1::PhysicalParameters& parameters, ElasticBodyDescription& body);
 
 }  // namespace livegs

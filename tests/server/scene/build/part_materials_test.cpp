@@ -83,9 +83,24 @@ TEST(PartMaterials, AllOfAPartWithoutMaterialGoesToTheOthers) {
             *parameters.mutable_parts(0));
   const TriangleMesh bar = box_mesh(Vector3d(1, 0.1, 0.1));
   MassProperties properties = solid_mass_properties(bar);
-  weigh_parts(bar, false, parameters, properties);
+  const auto warnings = weigh_parts(bar, false, parameters, properties);
   EXPECT_NEAR(properties.centre_of_mass_m.norm(), 0, 2e-3);
   EXPECT_EQ(parameters.parts(0).density_kg_m3(), 0);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(warnings[0].starts_with("part \"head\" has no material in its boxes")) << warnings[0];
+}
+
+TEST(PartMaterials, BoxesInALaterBoxHoldNoMaterial) {
+  v1::PhysicalParameters parameters = bar_parts();
+  set_boxes(std::vector<Eigen::AlignedBox3d>{{Vector3d(-1, -1, -1), Vector3d(2, 1, 1)}},
+            *parameters.mutable_parts(1));
+  ElasticBodyDescription body;
+  body.particles = sample_particles(box_mesh(Vector3d(1, 0.1, 0.1)));
+  body.material.mass_kg = 2;
+  body.material.youngs_modulus_pa = 1e6;
+  EXPECT_EQ(add_part_regions(parameters, body).size(), 1u);
+  v1::PhysicalParameters apart = bar_parts();
+  EXPECT_TRUE(add_part_regions(apart, body).empty());
 }
 
 TEST(PartMaterials, RegionsOfAnElasticBodyKeepItsMass) {
