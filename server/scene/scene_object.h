@@ -45,7 +45,9 @@ struct SceneObject {
   std::optional<Fragility> fragility;         // fragile objects only
   RestBody rest;
   v1::PhysicalParameters physics;  // includes the source of each value
-  v1::Physics written;             // values given in the scene file
+  // Parts of the body; those of `physics` may change before the next build.
+  google::protobuf::RepeatedPtrField<v1::MaterialPart> built_parts;
+  v1::Physics written;  // values given in the scene file
   // Path of its sidecar, which may not exist (sidecar_paths.h); empty: none.
   std::filesystem::path physics_file;
   // Contents of the sidecar when the object was built; null if there was none.

@@ -34,8 +34,9 @@ std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalP
   if (divided && bytes_of_parts(built.parts) != bytes_of_parts(physics.parts())) {
     later.push_back("parts: change when the scene is reloaded");
     physics.set_parts_reason(later.back());
+  } else if (divided) {
+    *physics.mutable_parts() = built.parts;  // with their densities
   }
-  if (divided) *physics.mutable_parts() = built.parts;  // with their densities
   return later;
 }
 

@@ -16,9 +16,9 @@ struct BodyTypeLock {
   google::protobuf::RepeatedPtrField<v1::MaterialPart> parts = {};
 };
 
-// Sets the behaviour and the parts of `physics` back to those that the object was built with. Returns one
-// line, for display, for each change that takes effect only after a reload. Returns an empty list if all
-// changes apply at once.
+// Sets the behaviour of `physics` back to that of the body. Changed parts stay as decided, so that clients
+// can show and edit them; their reason says that the body follows later. Returns one line, for display, for
+// each change that takes effect only after a reload. Returns an empty list if all changes apply at once.
 std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalParameters& physics);
 
 }  // namespace livegs

@@ -494,6 +494,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   built.drawn.label = object.label();
   built.drawn.asset = std::move(form->asset);
   built.drawn.physics = std::move(*parameters);
+  built.drawn.built_parts = built.drawn.physics.parts();
   built.drawn.written = object.physics();
   built.drawn.physics_file = kept_in;
   if (kept.ByteSizeLong() > 0) built.drawn.sidecar = std::make_shared<const v1::PhysicsFile>(kept);

@@ -426,8 +426,7 @@ Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters phy
 }
 
 BodyTypeLock Scene::body_type_lock(const SceneObject& object) const {
-  return {object.physics.behavior(), object.fragility || cuttable_.contains(object.id),
-          object.physics.parts()};
+  return {object.physics.behavior(), object.fragility || cuttable_.contains(object.id), object.built_parts};
 }
 
 Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::PhysicalParameters physics) {

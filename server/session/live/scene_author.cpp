@@ -286,10 +286,13 @@ std::vector<std::string> cleared_edits(const v1::EditSceneRequest& request, cons
     const auto* field = path.starts_with(kPhysics)
                             ? v1::Physics::descriptor()->FindFieldByName(path.substr(kPhysics.size()))
                             : nullptr;
-    if (!field || !field->has_presence()) return {};
-    const auto& reflection = *v1::Physics::GetReflection();
-    if (reflection.HasField(edit.value().physics(), field) || reflection.HasField(object->physics(), field))
-      return {};
+    if (!field || !(field->has_presence() || field->is_repeated())) return {};
+    const auto states = [field](const v1::Physics& physics) {
+      const auto& reflection = *v1::Physics::GetReflection();
+      return field->is_repeated() ? reflection.FieldSize(physics, field) > 0
+                                  : reflection.HasField(physics, field);
+    };
+    if (states(edit.value().physics()) || states(object->physics())) return {};
     fields.push_back(field->name());
   }
   return fields;

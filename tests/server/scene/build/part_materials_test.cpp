@@ -213,7 +213,8 @@ TEST_F(BuiltPartsTest, EditsOfPartsSurviveTheNextBuild) {
   EXPECT_GT((centre(after) - centre(before)).norm(), 0.2 * after.drawn.physics.longest_side_m().best());
 }
 
-TEST_F(BuiltPartsTest, RunningBodiesKeepTheirParts) {
+// Clients see what was decided; the body, and the comparison of a later change, keep what was built.
+TEST_F(BuiltPartsTest, ChangedPartsOfARunningBodyAreOfTheNextBuild) {
   const CompositeObject hammer = composite_objects().front();
   const BuiltObject one = built(hammer);
   const BodyTypeLock lock{v1::Physics::RIGID, true, one.drawn.physics.parts()};
@@ -226,7 +227,33 @@ TEST_F(BuiltPartsTest, RunningBodiesKeepTheirParts) {
   const auto later = lock_body_type(lock, changed);
   ASSERT_EQ(later.size(), 1u);
   EXPECT_EQ(later[0], "parts: change when the scene is reloaded");
-  EXPECT_EQ(changed.parts(0).mass_share(), one.drawn.physics.parts(0).mass_share());
+  EXPECT_EQ(changed.parts_reason(), later[0]);
+  EXPECT_EQ(changed.parts(0).mass_share(), 0.1);
+  changed.mutable_parts(0)->set_mass_share(one.drawn.physics.parts(0).mass_share());
+  EXPECT_TRUE(lock_body_type(lock, changed).empty());
+}
+
+// A scene file may place a part beside its object: the object warns, by its name, in the log and to clients.
+TEST_F(BuiltPartsTest, BoxOutsideTheBodyIsAWarningOfTheObject) {
+  for (const char* behavior : {"RIGID", "ELASTIC"}) {
+    CompositeObject hammer = composite_objects().front();
+    const BuiltObject before = built(hammer, behavior);
+    v1::Physics edits;
+    *edits.mutable_parts() = before.drawn.physics.parts();
+    const int placed = edits.parts(0).boxes_size() > 0 ? 0 : 1;
+    set_boxes(std::vector<Eigen::AlignedBox3d>{{Vector3d(50, 50, 50), Vector3d(51, 51, 51)}},
+              *edits.mutable_parts(placed));
+    ASSERT_TRUE(edit_physics(physics_file_path(folder / (hammer.name + ".ply")), edits));
+    const auto said = [&](const BuiltObject& one) {
+      return std::count_if(
+          one.drawn.warnings.begin(), one.drawn.warnings.end(), [&](const std::string& line) {
+            return line.find("part \"" + edits.parts(placed).name() + "\" has no material") == 0;
+          });
+    };
+    EXPECT_EQ(said(before), 0) << behavior;
+    EXPECT_EQ(said(built(hammer, behavior)), 1) << behavior;
+    std::filesystem::remove(physics_file_path(folder / (hammer.name + ".ply")));
+  }
 }
 
 // Elastic bodies are built of their parts too, with the mass that was estimated.
