@@ -5,26 +5,12 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/text/lower_case.h"
 #include "xr/window/widgets.h"
 
 namespace livegs {
 namespace {
 
 constexpr float kLabel_px = 84;  // names of the fields, at scale 1
-constexpr size_t kMaxText = 128, kMaxSuggestions = 12;
-
-bool contains(const std::string& text, const std::string& part) {
-  return lower_case(text).find(lower_case(part)) != std::string::npos;
-}
-
-bool input_text(const char* id, std::string& text, ImGuiInputTextFlags flags = 0) {
-  std::array<char, kMaxText> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%s", text.c_str());
-  const bool entered = ImGui::InputText(id, buffer.data(), buffer.size(), flags);
-  text = buffer.data();
-  return entered;
-}
 
 void field_name(const char* name) {
   ImGui::AlignTextToFramePadding();
@@ -84,14 +70,15 @@ void ScenePanelDrawer::draw_steps(const ScenePanel& panel, SceneActions& actions
 
 void ScenePanelDrawer::draw_list(const ScenePanel& panel, SceneActions& actions) {
   ImGui::SetNextItemWidth(-1);
-  std::array<char, kMaxText> search{};
+  std::array<char, kMaxFieldText> search{};
   std::snprintf(search.data(), search.size(), "%s", search_.c_str());
   if (ImGui::InputTextWithHint("##search", "Search", search.data(), search.size())) search_ = search.data();
   const float rows = static_cast<float>(std::clamp<size_t>(panel.entries.size(), 2, 7));
   ImGui::BeginChild("list", {0, rows * ImGui::GetTextLineHeightWithSpacing() + 8}, true);
   for (size_t i = 0; i < panel.entries.size(); ++i) {
     const ScenePanel::Entry& entry = panel.entries[i];
-    if (!search_.empty() && !contains(entry.name, search_) && !contains(entry.group, search_)) continue;
+    if (!search_.empty() && !contains_text(entry.name, search_) && !contains_text(entry.group, search_))
+      continue;
     ImGui::PushID(static_cast<int>(i));
     bool drawn = !entry.hidden, locked = entry.locked;
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});
@@ -128,7 +115,7 @@ void ScenePanelDrawer::draw_objects(const ScenePanel& panel, SceneActions& actio
     input_text("##asset", choosing_);
     ImGui::BeginChild("assets", {scaled(260), scaled(180)});
     for (size_t i = 0; i < panel.assets.size(); ++i) {
-      if (!choosing_.empty() && !contains(panel.assets[i], choosing_)) continue;
+      if (!choosing_.empty() && !contains_text(panel.assets[i], choosing_)) continue;
       if (ImGui::Selectable(panel.assets[i].c_str())) {
         actions.add = i;
         ImGui::CloseCurrentPopup();
@@ -172,13 +159,14 @@ void ScenePanelDrawer::draw_fields(const ScenePanel& panel, SceneActions& action
   const ScenePanel::Fields& fields = *panel.fields;
   ImGui::Separator();
   field_name("Name");
-  actions.name = text_field("##name", fields.name);
+  actions.name = fields_.text_field("##name", fields.name);
   field_name("What is it?");
-  actions.label = choice("##label", fields.label.empty() ? fields.label_hint : fields.label, panel.labels);
+  actions.label =
+      fields_.choice("##label", fields.label.empty() ? fields.label_hint : fields.label, panel.labels);
   tip("Mass and material are estimated from this at once");
   field_name("Material");
-  actions.material =
-      choice("##material", fields.material.empty() ? "as estimated" : fields.material, panel.materials);
+  actions.material = fields_.choice("##material", fields.material.empty() ? "as estimated" : fields.material,
+                                    panel.materials);
   field_name("Behaviour");
   if (ImGui::BeginCombo("##behavior", panel.kBehaviors[static_cast<size_t>(fields.behavior)])) {
     for (size_t i = 0; i < panel.kBehaviors.size(); ++i) {
@@ -192,18 +180,18 @@ void ScenePanelDrawer::draw_fields(const ScenePanel& panel, SceneActions& action
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.4g", fields.longest_side_m);
     double value = 0;
-    if (const auto typed = text_field("##size", text.data());
+    if (const auto typed = fields_.text_field("##size", text.data());
         typed && std::sscanf(typed->c_str(), "%lf", &value) == 1)
       actions.longest_side_m = value;
     tip("Longest side");
   }
   field_name("Position, m");
-  actions.position_m = numbers("##position", fields.position_m, "%.3f");
+  actions.position_m = fields_.numbers("##position", fields.position_m, "%.3f");
   field_name("Turn, deg");
-  actions.angles_deg = numbers("##angles", fields.angles_deg, "%.1f");
+  actions.angles_deg = fields_.numbers("##angles", fields.angles_deg, "%.1f");
   tip("Yaw about y, pitch about x, roll about z");
   field_name("Group");
-  actions.group = text_field("##group", fields.group);
+  actions.group = fields_.text_field("##group", fields.group);
   tip("Objects of one group are selected together");
   if (!fields.taken) return;
   actions.put_back = button("Put back");
@@ -238,65 +226,6 @@ void ScenePanelDrawer::draw_view(const ScenePanel& panel, SceneActions& actions)
   field_name("Background");
   ImGui::ColorEdit3("##background", rgb.data(), ImGuiColorEditFlags_NoInputs);
   if (ImGui::IsItemDeactivatedAfterEdit()) actions.background = rgb;
-}
-
-std::optional<std::string> ScenePanelDrawer::text_field(const char* id, const std::string& value) {
-  std::string text = editing_ == id ? edited_ : value;
-  const bool entered =
-      input_text(id, text, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemActive()) {
-    editing_ = id;
-    edited_ = text;
-    if (!entered) return std::nullopt;
-  }
-  if (editing_ != id) return std::nullopt;
-  const std::string now = entered ? text : edited_;
-  if (!entered && !ImGui::IsItemDeactivated()) return std::nullopt;
-  editing_.clear();
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) || now == value) return std::nullopt;
-  return now;
-}
-
-std::optional<std::array<double, 3>> ScenePanelDrawer::numbers(const char* id,
-                                                               const std::array<double, 3>& values,
-                                                               const char* format) {
-  std::optional<std::array<double, 3>> changed;
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
-  for (size_t axis = 0; axis < 3; ++axis) {
-    if (axis > 0) ImGui::SameLine();
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), format, std::abs(values[axis]) < 5e-4 ? 0.0 : values[axis]);
-    ImGui::SetNextItemWidth(width);
-    double value = 0;
-    const std::string own = id + std::string(1, static_cast<char>('x' + axis));
-    if (const auto typed = text_field(own.c_str(), text.data());
-        typed && std::sscanf(typed->c_str(), "%lf", &value) == 1) {
-      changed = values;
-      (*changed)[axis] = value;
-    }
-  }
-  return changed;
-}
-
-std::optional<std::string> ScenePanelDrawer::choice(const char* id, const std::string& value,
-                                                    const std::vector<std::string>& suggestions) {
-  std::optional<std::string> chosen;
-  if (!ImGui::BeginCombo(id, value.c_str())) return chosen;
-  if (ImGui::IsWindowAppearing()) {
-    choosing_.clear();
-    ImGui::SetKeyboardFocusHere();
-  }
-  ImGui::SetNextItemWidth(-1);
-  if (input_text("##typed", choosing_, ImGuiInputTextFlags_EnterReturnsTrue)) chosen = choosing_;
-  size_t shown = 0;
-  for (const std::string& suggestion : suggestions) {
-    if (!choosing_.empty() && !contains(suggestion, choosing_)) continue;
-    if (++shown > kMaxSuggestions && choosing_.empty()) break;
-    if (ImGui::Selectable(suggestion.c_str())) chosen = suggestion;
-  }
-  if (chosen) ImGui::CloseCurrentPopup();
-  ImGui::EndCombo();
-  return chosen;
 }
 
 }  // namespace livegs
