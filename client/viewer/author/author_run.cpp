@@ -8,6 +8,7 @@
 
 #include "core/text/format_text.h"
 #include "viewer/author/object_pose.h"
+#include "viewer/author/scene_lines.h"
 
 namespace livegs {
 namespace {
@@ -16,35 +17,6 @@ constexpr int kMeasureTool = 4;  // of ScenePanel::kTools
 constexpr int kTakeTool = ScenePanel::kTakeTool;
 constexpr int kGridHalf = 10;       // squares of a metre to each side
 constexpr double kFarFloor_m = 50;  // an object is not put farther away
-
-// The part of a line that is in front of the camera.
-void add_line(const Camera& camera, Eigen::Vector3d a, Eigen::Vector3d b, WindowLine::Ink ink, float width_px,
-              std::vector<WindowLine>& lines) {
-  const Pose camera_from_world = camera.world_from_camera.inverse();
-  Eigen::Vector3d from = camera_from_world * a, to = camera_from_world * b;
-  const double near = -camera.near_m;
-  if (from.z() > near && to.z() > near) return;
-  if (from.z() > near) from += (near - from.z()) / (to.z() - from.z()) * (to - from);
-  if (to.z() > near) to += (near - to.z()) / (from.z() - to.z()) * (from - to);
-  const auto first = pixel_of(camera, camera.world_from_camera * from),
-             last = pixel_of(camera, camera.world_from_camera * to);
-  if (first && last) lines.push_back({{*first, *last}, ink, width_px, false, ""});
-}
-
-void add_box(const Camera& camera, const Eigen::AlignedBox3d& box, std::vector<WindowLine>& lines) {
-  if (box.isEmpty()) return;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int corner = 0; corner < 4; ++corner) {
-      Eigen::Vector3d a = box.min();
-      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      if (corner & 1) a[u] = box.max()[u];
-      if (corner & 2) a[v] = box.max()[v];
-      Eigen::Vector3d b = a;
-      b[axis] = box.max()[axis];
-      add_line(camera, a, b, WindowLine::Ink::Selection, 1.5f, lines);
-    }
-  }
-}
 
 v1::Bookmark bookmark_of(const Camera& camera, const Eigen::Vector3d& target_m) {
   v1::Bookmark view;
@@ -238,9 +210,10 @@ void AuthorRun::draw(const Camera& window, const SceneView& view, WindowOverlay&
     }
   }
   for (const std::string& name : editor_.selected()) {
-    if (const auto id = ids_.find(name); id != ids_.end()) add_box(window, view.bounds(id->second), lines);
+    if (const auto id = ids_.find(name); id != ids_.end())
+      add_box(window, view.bounds(id->second), {}, WindowLine::Ink::Selection, lines);
   }
-  add_box(window, hovered_m_, lines);
+  add_box(window, hovered_m_, {}, WindowLine::Ink::Selection, lines);
   if (const auto at = editor_.pivot_m(objects_)) {
     const auto under =
         editor_.dragging() ? std::nullopt : Gizmo::handle_at(editor_.gizmo_tool(), window, *at, mouse_px_);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/panels/object_panel.h"
 
+#include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "core/text/format_text.h"
-#include "material/part_places.h"
+#include "viewer/panels/part_list.h"
 
 namespace livegs {
 namespace {
@@ -66,6 +68,18 @@ std::string part_text(const v1::MaterialPart& part) {
   return part.name() + " of " + part.material() + format_text(" (%.0f %%)", 100 * part.mass_share());
 }
 
+std::optional<std::array<double, 3>> corner_of(const google::protobuf::RepeatedField<double>& numbers) {
+  if (numbers.size() != 3) return std::nullopt;
+  return std::array{numbers[0], numbers[1], numbers[2]};
+}
+
+v1::MaterialPart::Box box_of(const PartsPanel::Box& box) {
+  v1::MaterialPart::Box written;
+  if (box.min_m) written.mutable_min_m()->Add(box.min_m->begin(), box.min_m->end());
+  if (box.max_m) written.mutable_max_m()->Add(box.max_m->begin(), box.max_m->end());
+  return written;
+}
+
 // Whether its parts have places, which are known in the rest frame of the whole object only.
 bool has_placed_parts(const StreamedObject& object) {
   return object.rest.revision == 0 && object.physics.parts_size() > 1 &&
@@ -97,7 +111,7 @@ ObjectsPanel::Entry list_entry(const StreamedObject& object) {
   return {object.name, kind, object.mass_kg > 0 ? quantity_text(object.mass_kg, Unit::Kilogram) : ""};
 }
 
-std::vector<std::string> object_facts(const StreamedObject& object) {
+std::vector<std::string> object_facts(const StreamedObject& object, bool with_parts) {
   const v1::PhysicalParameters& physics = object.physics;
   std::vector<std::string> facts;
   if (!physics.label().empty()) {
@@ -113,7 +127,7 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   for (const v1::MaterialPart& part : physics.parts()) {
     parts += (parts.empty() ? "Parts: " : ", ") + part_text(part);
   }
-  if (!parts.empty()) facts.push_back(parts);
+  if (with_parts && !parts.empty()) facts.push_back(parts);
   if (object.elastic) facts.push_back(stiffness_text(*object.elastic));
   if (object.fragility && object.fragility->bodies() > 1) {
     facts.push_back(format_text("Broken into %u fragments", object.fragility->bodies()));
@@ -159,14 +173,16 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   panel.progress = !waiting_.empty() ? waiting_ : progress_;
   const StreamedObject* object = named(objects, selected_);
   if (!object) return panel;
-  panel.facts = object_facts(*object);
+  if (object->rest.revision == 0) panel.division = division_of(*object);
+  const bool edits = edits_parts_ && panel.division;
   if (has_placed_parts(*object)) {
     for (int i = 0; i < object->physics.parts_size(); ++i) {
       const Eigen::Vector3f rgb = part_rgb(static_cast<size_t>(i));
       panel.parts.push_back({part_text(object->physics.parts(i)), {rgb.x(), rgb.y(), rgb.z()}});
     }
-    panel.parts_shown = shows_parts_;
+    panel.parts_shown = shows_parts_ || edits;
   }
+  panel.facts = object_facts(*object, panel.parts.empty() && !edits);  // else they are listed with colours
   for (const SliderParameter field : slider_parameters(object->physics))
     panel.rows.push_back(value_row(field, object->physics));
   if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
@@ -184,8 +200,115 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
 }
 
 const StreamedObject* ObjectPanel::in_part_colours(const Objects& objects) const {
-  const StreamedObject* object = shows_parts_ ? named(objects, selected_) : nullptr;
+  const StreamedObject* object = shows_parts_ || edits_parts_ ? named(objects, selected_) : nullptr;
   return object && has_placed_parts(*object) ? object : nullptr;
+}
+
+void ObjectPanel::select(const std::string& name) {
+  if (name != selected_) part_ = 0;
+  selected_ = name;
+}
+
+MaterialParts ObjectPanel::parts_of(const StreamedObject& object) const {
+  const PartList now(object.physics.parts());
+  const bool unanswered = sent_ && sent_->object == object.name && now == PartList(sent_->before);
+  return unanswered ? sent_->after : now.parts();
+}
+
+Eigen::AlignedBox3d ObjectPanel::bounds_of(const StreamedObject& object) const {
+  const auto known = bounds_m_.find(object.id);
+  return known == bounds_m_.end() ? Eigen::AlignedBox3d() : known->second;
+}
+
+PartsPanel ObjectPanel::division_of(const StreamedObject& object) const {
+  PartsPanel panel;
+  const MaterialParts parts = parts_of(object);
+  for (const v1::MaterialPart& part : parts) {
+    const Eigen::Vector3f rgb = part_rgb(panel.parts.size());
+    PartsPanel::Part& row = panel.parts.emplace_back();
+    row.name = part.name();
+    row.material = part.material();
+    row.share = part.mass_share();
+    row.rgb = {rgb.x(), rgb.y(), rgb.z()};
+    for (const v1::MaterialPart::Box& box : part.boxes())
+      row.boxes.push_back({corner_of(box.min_m()), corner_of(box.max_m())});
+  }
+  panel.selected = part_;
+  panel.edited = object.physics.parts_source() == v1::EstimatedValue::PERSON;
+  panel.full = parts.size() >= kMaxMaterialParts;
+  if (const Eigen::AlignedBox3d body = bounds_of(object); !body.isEmpty())
+    panel.body = PartsPanel::Box{{{body.min().x(), body.min().y(), body.min().z()}},
+                                 {{body.max().x(), body.max().y(), body.max().z()}}};
+  return panel;
+}
+
+std::vector<Eigen::AlignedBox3d> ObjectPanel::marked_boxes(const Objects& objects) const {
+  const StreamedObject* object = edits_parts_ ? named(objects, selected_) : nullptr;
+  if (!object || object->rest.revision > 0) return {};
+  const MaterialParts parts = parts_of(*object);
+  const Eigen::AlignedBox3d body = bounds_of(*object);
+  if (part_ >= static_cast<size_t>(parts.size()) || body.isEmpty()) return {};
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const v1::MaterialPart::Box& written : parts[static_cast<int>(part_)].boxes()) {
+    Eigen::AlignedBox3d box = part_box(written);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!std::isfinite(box.min()[axis])) box.min()[axis] = std::min(body.min()[axis], box.max()[axis]);
+      if (!std::isfinite(box.max()[axis])) box.max()[axis] = std::max(body.max()[axis], box.min()[axis]);
+    }
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+std::optional<ObjectCall> ObjectPanel::edit_parts(const PartEdit& edit, const StreamedObject& object) {
+  using Kind = PartEdit::Kind;
+  part_ = edit.part;
+  if (edit.kind == Kind::Estimate) {
+    part_ = 0;
+    sent_.reset();
+    return RestoreEstimateCall{object.name, {"parts"}};
+  }
+  PartList list(parts_of(object));
+  const Eigen::AlignedBox3d body = bounds_of(object);
+  switch (edit.kind) {
+    case Kind::Name:
+      list.rename(edit.part, edit.text);
+      break;
+    case Kind::Material:
+      list.set_material(edit.part, edit.text);
+      break;
+    case Kind::Share:
+      list.set_share(edit.part, edit.share);
+      break;
+    case Kind::Add:
+      list.add(object.physics.material(), body);
+      part_ = static_cast<size_t>(std::max(list.parts().size() - 1, 0));
+      break;
+    case Kind::Remove:
+      list.remove(edit.part);
+      part_ = 0;
+      break;
+    case Kind::AddBox:
+      list.add_box(edit.part, body);
+      break;
+    case Kind::RemoveBox:
+      list.remove_box(edit.part, edit.box);
+      break;
+    default:
+      list.move_box(edit.part, edit.box, box_of(edit.moved));
+  }
+  const MaterialParts before = parts_of(object);
+  if (list == PartList(before)) return std::nullopt;
+  sent_ = PartsSent{object.name, PartList(object.physics.parts()).parts(), list.parts()};
+  SetPhysicsCall call{object.name, {}};
+  *call.physics.mutable_parts() = list.parts();
+  return call;
+}
+
+void ObjectPanel::await_reply() {
+  messages_[selected_].clear();
+  waiting_ = "Changing " + selected_;
+  ++answers_missing_;
 }
 
 std::string ObjectPanel::open_proposal(const StreamedObject& object) const {
@@ -201,16 +324,18 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     const StreamedObject* answered = named(objects, one.first);
     return !answered || !answered->proposal;
   });
+  if (const StreamedObject* edited = sent_ ? named(objects, sent_->object) : nullptr;
+      edited && !(PartList(edited->physics.parts()) == PartList(sent_->before)))
+    sent_.reset();
   shows_parts_ = actions.show_parts.value_or(shows_parts_);
+  edits_parts_ = actions.parts_open.value_or(edits_parts_);
   const std::vector<const StreamedObject*> list = listed(objects);
   const StreamedObject* object = named(objects, selected_);
   if (object) {
     const std::vector<SliderParameter> fields = slider_parameters(object->physics);
     const auto set = [&](v1::Physics physics) {
       calls.push_back(SetPhysicsCall{selected_, std::move(physics)});
-      messages_[selected_].clear();
-      waiting_ = "Changing " + selected_;
-      ++answers_missing_;
+      await_reply();
     };
     if (actions.released && actions.released->row < fields.size()) {
       const SliderParameter field = fields[actions.released->row];
@@ -225,21 +350,27 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     }
     if (actions.estimated && *actions.estimated < fields.size()) {
       calls.push_back(RestoreEstimateCall{selected_, fields_of(fields[*actions.estimated])});
-      messages_[selected_].clear();
-      waiting_ = "Changing " + selected_;
-      ++answers_missing_;
+      await_reply();
     }
     if (actions.fragile) set(edit_of_fragile(*actions.fragile));
     if (const std::string proposal = open_proposal(*object);
         (actions.accept || actions.decline) && !proposal.empty()) {
       answered_[selected_] = proposal;
       calls.push_back(AcceptProposalCall{selected_, !actions.accept});
-      messages_[selected_].clear();
-      waiting_ = "Changing " + selected_;
-      ++answers_missing_;
+      await_reply();
+    }
+    if (edits_parts_ && rest_bounds_ && bounds_of(*object).isEmpty())
+      bounds_m_[object->id] = rest_bounds_(*object);
+    if (actions.part_selected) part_ = *actions.part_selected;
+    if (actions.part_edit) {
+      if (auto call = edit_parts(*actions.part_edit, *object)) {
+        calls.push_back(*std::move(call));
+        await_reply();
+      }
     }
     if (actions.undo || actions.redo) {
       calls.push_back(UndoPhysicsCall{selected_, actions.redo});
+      sent_.reset();
       messages_[selected_].clear();
       ++answers_missing_;
     }
@@ -247,7 +378,7 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
   }
   if (actions.analyse_all) calls.push_back(AnalyzeCall{});
   if (actions.analyse || actions.analyse_all) progress_ = "Analysing";
-  if (actions.selected && *actions.selected < list.size()) selected_ = list[*actions.selected]->name;
+  if (actions.selected && *actions.selected < list.size()) select(list[*actions.selected]->name);
   return calls;
 }
 
@@ -256,10 +387,14 @@ void ObjectPanel::take_reply(const std::string& object, const v1::PhysicsReply& 
   std::vector<ObjectsPanel::Message>& said = messages_[object];
   said.clear();
   for (const std::string& warning : reply.warnings()) said.push_back({false, warning});
+  // A scene file may overrule the edit.
+  if (sent_ && sent_->object == object && waiting_.empty() && reply.has_parameters())
+    sent_->after = reply.parameters().parts();
 }
 
 void ObjectPanel::take_refusal(const std::string& object, const std::string& why) {
   if (--answers_missing_ <= 0) waiting_.clear();
+  if (sent_ && sent_->object == object) sent_.reset();
   answered_.erase(object);  // the proposal is still open, or the server has reported that it is not
   refuse(object, why);
 }

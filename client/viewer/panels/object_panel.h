@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "material/part_places.h"
 #include "stream/received/received.h"
 #include "viewer/panels/parameter_slider.h"
 #include "xr/window/window_panels.h"
@@ -14,8 +18,9 @@ namespace livegs {
 
 // Panel texts of an object.
 ObjectsPanel::Entry list_entry(const StreamedObject& object);
-// Classification and confidence, current state, and accuracy of the stiffness; one line each.
-std::vector<std::string> object_facts(const StreamedObject& object);
+// Classification and confidence, current state, and accuracy of the stiffness; one line each. `with_parts`:
+// and its parts.
+std::vector<std::string> object_facts(const StreamedObject& object, bool with_parts = true);
 // Effect of accepting a model's reply: "5.0 kg (4.5 to 5.5 kg) of softwood, rigid".
 std::string proposal_text(const v1::PhysicalParameters& proposal);
 ValueRow value_row(SliderParameter field, const v1::PhysicalParameters& physics);
@@ -48,6 +53,11 @@ using ObjectCall =
 class ObjectPanel {
  public:
   using Objects = std::map<uint32_t, StreamedObject>;  // by id
+  // Bounds of an object in its own frame at rest, metres; empty while they are unknown.
+  using RestBounds = std::function<Eigen::AlignedBox3d(const StreamedObject&)>;
+
+  // `rest_bounds` is called once an object whose parts are edited; null: parts cannot be added.
+  explicit ObjectPanel(RestBounds rest_bounds = nullptr) : rest_bounds_(std::move(rest_bounds)) {}
 
   ObjectsPanel shown(const Objects& objects) const;
   // Returns the calls for the user's actions; invalid values are rejected here.
@@ -55,8 +65,11 @@ class ObjectPanel {
 
   // The selected object, if it is to be drawn in the colours of its parts; null: none.
   const StreamedObject* in_part_colours(const Objects& objects) const;
+  // Boxes of the part that is edited, in the rest frame of the selected object and within its bounds; empty:
+  // none are to be drawn.
+  std::vector<Eigen::AlignedBox3d> marked_boxes(const Objects& objects) const;
 
-  void select(const std::string& name) { selected_ = name; }
+  void select(const std::string& name);
   const std::string& selected() const { return selected_; }
 
   // Results of the calls.
@@ -66,6 +79,12 @@ class ObjectPanel {
   void take_analysis_end(const std::string& why);  // empty: all are finished
 
  private:
+  // The parts with the last edit, which the server may not have answered yet.
+  MaterialParts parts_of(const StreamedObject& object) const;
+  PartsPanel division_of(const StreamedObject& object) const;
+  Eigen::AlignedBox3d bounds_of(const StreamedObject& object) const;
+  std::optional<ObjectCall> edit_parts(const PartEdit& edit, const StreamedObject& object);
+  void await_reply();
   void refuse(const std::string& object, const std::string& why);
   std::string open_proposal(
       const StreamedObject& object) const;  // in words; empty when there is none to answer
@@ -77,6 +96,15 @@ class ObjectPanel {
   std::string waiting_;  // object of a change that awaits its reply
   std::string progress_;
   bool shows_parts_ = false;
+  bool edits_parts_ = false;  // the section is open
+  size_t part_ = 0;           // that is edited
+  struct PartsSent {
+    std::string object;
+    MaterialParts before, after;
+  };
+  std::optional<PartsSent> sent_;  // until the object changes
+  RestBounds rest_bounds_;
+  std::map<uint32_t, Eigen::AlignedBox3d> bounds_m_;  // by object
   int answers_missing_ = 0;
 };
 

@@ -15,6 +15,8 @@
 #include "stream/session/session_client.h"
 #include "viewer/assets/part_colours.h"
 #include "viewer/author/author_run.h"
+#include "viewer/author/object_pose.h"
+#include "viewer/author/scene_lines.h"
 #include "viewer/camera/initial_camera.h"
 #include "viewer/camera/orbit_camera.h"
 #include "viewer/camera/window_picture.h"
@@ -76,6 +78,8 @@ class WindowRun {
   Result<void> take_answers();
   Result<void> picture();
   Result<void> recorded_picture(const PlannedFrame& planned);
+  Eigen::AlignedBox3d rest_bounds(const StreamedObject& object) const;
+  void draw_part_boxes(const Camera& window, WindowOverlay& overlay) const;
   WindowOverlay overlay(const Camera& window) const;
   WindowPanels panels() const;
   Result<void> keep_screenshot();
@@ -101,7 +105,7 @@ class WindowRun {
   MouseHands hands_;
   WindowStudy study_;
   WindowPicture picture_;
-  ObjectPanel panel_;
+  ObjectPanel panel_{[this](const StreamedObject& object) { return rest_bounds(object); }};
   PartColours part_colours_;
   std::optional<SceneView::Picked> pointed_;  // kernel under the mouse
   WindowInput pointed_with_;                  // of the last picture
@@ -294,11 +298,34 @@ WindowPanels WindowRun::panels() const {
   return panels;
 }
 
+Eigen::AlignedBox3d WindowRun::rest_bounds(const StreamedObject& object) const {
+  Eigen::AlignedBox3d bounds;
+  if (const auto asset = view_.asset(object.id)) {
+    for (const Eigen::Vector3f& at : asset->positions)
+      bounds.extend(object.rest.object_from_asset * at.cast<double>());
+  }
+  return bounds;
+}
+
+// The boxes of the part that is edited, where the object is now.
+void WindowRun::draw_part_boxes(const Camera& window, WindowOverlay& overlay) const {
+  const std::vector<Eigen::AlignedBox3d> boxes = panel_.marked_boxes(objects_);
+  const ReceivedFrame& shown = playout_.shown() ? *playout_.shown() : *frame_;
+  for (const ObjectDrivers& drivers : shown.drivers->objects) {
+    const auto object = objects_.find(drivers.object_id);
+    if (boxes.empty() || object == objects_.end() || object->second.name != panel_.selected()) continue;
+    const Pose pose = scene_pose(object->second.rest, drivers, 0);  // of the body's frame
+    for (const Eigen::AlignedBox3d& box : boxes)
+      add_box(window, box, pose, WindowLine::Ink::Part, overlay.lines);
+  }
+}
+
 WindowOverlay WindowRun::overlay(const Camera& window) const {
   WindowOverlay overlay;
   overlay.panels = panels();
   if (!frame_) return overlay;
   author_.draw(window, view_, overlay);
+  draw_part_boxes(window, overlay);
   const ReceivedFrame& shown = playout_.shown() ? *playout_.shown() : *frame_;
   study_.draw(shown, display_.input().over_panel, objects_, window, overlay);
   if (pointed_ && shown.hands.empty()) {

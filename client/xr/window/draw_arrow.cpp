@@ -63,6 +63,8 @@ void draw_line(ImDrawList& list, const WindowLine& line) {
         return IM_COL32(90, 140, 240, 255);
       case WindowLine::Ink::Plane:
         return IM_COL32(240, 220, 110, 255);
+      case WindowLine::Ink::Part:
+        return kLight;
       case WindowLine::Ink::Grid:
         return IM_COL32(200, 200, 210, 60);
       case WindowLine::Ink::Axis:

@@ -20,7 +20,7 @@ struct WindowArrow {
 };
 // A line over the picture: of a gizmo, a grid, the outline of a selection.
 struct WindowLine {
-  enum class Ink { X, Y, Z, Plane, Selection, Grid, Axis };
+  enum class Ink { X, Y, Z, Plane, Selection, Part, Grid, Axis };
   std::vector<Eigen::Vector2d> points_px;
   Ink ink = Ink::Selection;
   float width_px = 2;

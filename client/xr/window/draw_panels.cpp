@@ -101,7 +101,7 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
         stacked_ ? below_px : scaled(kMargin_px), right_px, panels.objects.selected ? max_px : 0, max_px);
   ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Objects);
-  draw_objects(panels.objects, actions);
+  draw_objects(panels.objects, panels.scene.materials, actions);
   const float below_objects_px = below_px + ImGui::GetWindowHeight() + scaled(kGap_px);
   ImGui::End();
   if (!panels.scene.available) return actions;
@@ -183,7 +183,8 @@ void PanelDrawer::draw_force(const ForcePanel& force, PanelActions& actions) {
   coloured(kDimInk, force.progress.empty() ? force.sentence : force.progress);
 }
 
-void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& actions) {
+void PanelDrawer::draw_objects(const ObjectsPanel& objects, const std::vector<std::string>& materials,
+                               PanelActions& actions) {
   if (ImGui::BeginTable("list", 3)) {
     ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1.0f);
     ImGui::TableSetupColumn("kind", ImGuiTableColumnFlags_WidthStretch, 2.0f);
@@ -211,7 +212,7 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
   if (objects.selected) {
     ImGui::Separator();
     for (const std::string& fact : objects.facts) ImGui::TextWrapped("%s", fact.c_str());
-    draw_parts(objects, actions);
+    draw_parts(objects, materials, actions);
     ImGui::Spacing();
     for (size_t i = 0; i < objects.rows.size(); ++i) draw_row(i, objects.rows[i], actions);
     if (objects.fragile) {
@@ -243,13 +244,16 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
   if (!objects.progress.empty()) coloured(kDimInk, objects.progress);
 }
 
-void PanelDrawer::draw_parts(const ObjectsPanel& objects, PanelActions& actions) {
+void PanelDrawer::draw_parts(const ObjectsPanel& objects, const std::vector<std::string>& materials,
+                             PanelActions& actions) {
+  const bool open = objects.division && ImGui::CollapsingHeader("Parts");
+  actions.parts_open = open;
+  if (open) return parts_.draw(*objects.division, materials, actions);
   if (objects.parts.empty()) return;
   bool shown = objects.parts_shown;
   if (ImGui::Checkbox("Show parts", &shown)) actions.show_parts = shown;
-  if (!objects.parts_shown) return;
   const float side_px = ImGui::GetTextLineHeight();
-  for (const ObjectsPanel::Part& part : objects.parts) {
+  for (const ObjectsPanel::Part& part : objects.parts) {  // always, so that nothing moves at a tick
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::GetWindowDrawList()->AddRectFilled(
         at, {at.x + side_px, at.y + side_px},

@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "xr/window/draw_parts.h"
 #include "xr/window/draw_scene_panel.h"
 #include "xr/window/window_panels.h"
 
@@ -37,8 +39,10 @@ class PanelDrawer {
   void draw_loading(const LoadingPanel& loading, float width_px, float height_px);
   void draw_run(const RunPanel& run, PanelActions& actions);
   void draw_force(const ForcePanel& force, PanelActions& actions);
-  void draw_objects(const ObjectsPanel& objects, PanelActions& actions);
-  void draw_parts(const ObjectsPanel& objects, PanelActions& actions);
+  void draw_objects(const ObjectsPanel& objects, const std::vector<std::string>& materials,
+                    PanelActions& actions);
+  void draw_parts(const ObjectsPanel& objects, const std::vector<std::string>& materials,
+                  PanelActions& actions);
   void draw_row(size_t index, const ValueRow& row, PanelActions& actions);
 
   float width_px_ = 0, height_px_ = 0, scale_ = 0;  // of the last call: window size, scale of the panels
@@ -48,6 +52,7 @@ class PanelDrawer {
   bool had_notice_ = false;
   std::string held_;  // name of the row whose slider is dragged
   float held_position_ = 0;
+  PartsDrawer parts_;
   ScenePanelDrawer scene_;
   bool scene_seen_ = false;  // the Scene panel has been shown
   bool scene_open_ = false;  // it was in the last picture

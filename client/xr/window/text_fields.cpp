@@ -43,9 +43,8 @@ std::optional<std::string> TextFields::text_field(const char* id, const std::str
   return text;
 }
 
-std::optional<std::array<double, 3>> TextFields::numbers(const char* id,
-                                                               const std::array<double, 3>& values,
-                                                               const char* format) {
+std::optional<std::array<double, 3>> TextFields::numbers(const char* id, const std::array<double, 3>& values,
+                                                         const char* format) {
   std::optional<std::array<double, 3>> changed;
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -65,7 +64,7 @@ std::optional<std::array<double, 3>> TextFields::numbers(const char* id,
 }
 
 std::optional<std::string> TextFields::choice(const char* id, const std::string& value,
-                                                    const std::vector<std::string>& suggestions) {
+                                              const std::vector<std::string>& suggestions) {
   std::optional<std::string> chosen;
   if (!ImGui::BeginCombo(id, value.c_str())) return chosen;
   if (ImGui::IsWindowAppearing()) {

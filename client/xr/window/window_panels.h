@@ -23,6 +23,24 @@ struct ValueRow {
   std::function<std::string(double)> text_at;  // formats a position while the slider is dragged
 };
 
+// The parts of an object as they are corrected. Boxes are in the object's own axes at rest, metres.
+struct PartsPanel {
+  struct Box {
+    std::optional<std::array<double, 3>> min_m, max_m;  // none: open on these sides
+  };
+  struct Part {
+    std::string name, material;
+    double share = 0;            // of the mass, 0 to 1
+    std::array<float, 3> rgb{};  // 0 to 1, display-encoded
+    std::vector<Box> boxes;
+  };
+  std::vector<Part> parts;  // empty: of one material
+  size_t selected = 0;      // whose boxes are drawn and edited
+  bool edited = false;      // set by hand, so that they can go back to the estimate
+  bool full = false;        // no more parts
+  std::optional<Box> body;  // bounds of the object; none before it is loaded
+};
+
 struct ObjectsPanel {
   struct Entry {
     std::string name, kind, mass;  // a line of the list
@@ -30,13 +48,15 @@ struct ObjectsPanel {
   std::vector<Entry> entries;
   std::optional<size_t> selected;
   std::vector<std::string> facts;  // of the selected object, one per line
-  // Legend of the parts of the selected object, which can be shown in colours; empty: there are none.
+  // Legend of the parts of the selected object, which can be shown in colours; empty: there are none. Not
+  // drawn while they are edited.
   struct Part {
     std::string text;
     std::array<float, 3> rgb{};  // 0 to 1, display-encoded
   };
   std::vector<Part> parts;
   bool parts_shown = false;
+  std::optional<PartsPanel> division;  // none: the parts cannot be edited
   std::vector<ValueRow> rows;
   std::optional<bool> fragile;  // a tick box, if present
   struct Message {
@@ -145,6 +165,16 @@ struct SceneActions {
   std::optional<std::array<float, 3>> background;
 };
 
+// One finished edit of the parts of the selected object.
+struct PartEdit {
+  enum class Kind { Name, Material, Share, Add, Remove, AddBox, RemoveBox, MoveBox, Estimate };
+  Kind kind = Kind::Name;
+  size_t part = 0, box = 0;
+  std::string text;  // Name, Material
+  double share = 0;  // Share
+  PartsPanel::Box moved;
+};
+
 // The user's actions on the panels in one picture.
 struct PanelActions {
   std::optional<size_t> selected;  // an entry of the list
@@ -160,6 +190,9 @@ struct PanelActions {
   std::optional<Typed> typed;
   std::optional<size_t> estimated;  // a row that goes back to its estimate
   std::optional<bool> fragile, show_parts;
+  std::optional<bool> parts_open;       // of the section that edits the parts, while it is drawn
+  std::optional<size_t> part_selected;  // of its parts
+  std::optional<PartEdit> part_edit;
   bool accept = false, decline = false, undo = false, redo = false, analyse = false, analyse_all = false;
   std::optional<bool> pause;
   bool step = false, reset = false;

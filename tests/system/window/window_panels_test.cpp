@@ -18,7 +18,8 @@ class WindowPanelClicks : public WindowClicks {
   "objects": [
     { "name": "cushion", "shape": { "box": { "size_m": [0.3, 0.12, 0.3] } }, "pose": { "position_m": [-0.3, 0.06, -0.1] } },
     { "name": "crate", "shape": { "box": { "size_m": [0.3, 0.3, 0.3] } }, "pose": { "position_m": [0.1, 0.15, -0.1] } },
-    { "name": "parcel", "shape": { "box": { "size_m": [0.2, 0.15, 0.2] } }, "pose": { "position_m": [-0.15, 0.075, 0.3] } },
+    { "name": "parcel", "shape": { "box": { "size_m": [0.2, 0.15, 0.2] } }, "pose": { "position_m": [-0.15, 0.075, 0.3] },
+      "physics": { "behavior": "RIGID" } },
     { "name": "cup", "shape": { "cylinder": { "radius_m": 0.045, "height_m": 0.1 } }, "pose": { "position_m": [0.1, 0.05, 0.3] } } ] })";
   }
   std::string camera_text() const override {

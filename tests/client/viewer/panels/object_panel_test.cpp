@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace livegs {
 namespace {
 
@@ -116,6 +118,124 @@ TEST(ObjectPanel, PartsAreShownInColoursWhileAskedAndTheObjectIsWhole) {
   actions.show_parts = false;
   panel.act(actions, objects);
   EXPECT_EQ(panel.in_part_colours(objects), nullptr);
+}
+
+PanelActions part_action(PartEdit::Kind kind, size_t part, const std::string& text = "") {
+  PanelActions actions;
+  actions.parts_open = true;
+  actions.part_edit.emplace();
+  actions.part_edit->kind = kind;
+  actions.part_edit->part = part;
+  actions.part_edit->text = text;
+  return actions;
+}
+
+class ObjectPanelParts : public ::testing::Test {
+ protected:
+  using Kind = PartEdit::Kind;
+  // The parts of the call for an edit, which is the only one.
+  MaterialParts sent(const PanelActions& actions) {
+    const auto calls = panel_.act(actions, objects_);
+    EXPECT_EQ(calls.size(), 1u);
+    const auto* set = calls.size() == 1 ? std::get_if<SetPhysicsCall>(&calls[0]) : nullptr;
+    return set ? set->physics.parts() : MaterialParts();
+  }
+  // As the server does: the object has the parts, and the call is answered.
+  void answer(const MaterialParts& parts) {
+    *objects_[2].physics.mutable_parts() = parts;
+    objects_[2].physics.set_parts_source(v1::EstimatedValue::PERSON);
+    v1::PhysicsReply reply;
+    *reply.mutable_parameters() = objects_[2].physics;
+    panel_.take_reply("pillow", reply);
+  }
+  PartsPanel shown() { return panel_.shown(objects_).division.value(); }
+  void SetUp() override {
+    panel_.select("pillow");
+    PanelActions open;
+    open.parts_open = true;
+    EXPECT_TRUE(panel_.act(open, objects_).empty());
+  }
+
+  const Eigen::AlignedBox3d body_{Eigen::Vector3d(-0.2, 0, -0.3), Eigen::Vector3d(0.2, 0.1, 0.3)};
+  ObjectPanel::Objects objects_ = pillow_and_room();
+  ObjectPanel panel_{[this](const StreamedObject&) { return body_; }};
+};
+
+TEST_F(ObjectPanelParts, ObjectIsDividedAndItsPartsAreEditedByOneCallEach) {
+  EXPECT_TRUE(shown().parts.empty());
+  EXPECT_TRUE(panel_.marked_boxes(objects_).empty());
+  answer(sent(part_action(Kind::Add, 0)));
+  ASSERT_EQ(shown().parts.size(), 2u);
+  EXPECT_EQ(shown().selected, 1u);
+  EXPECT_EQ(shown().parts[1].material, "foam");
+  ASSERT_EQ(shown().parts[1].boxes.size(), 1u);
+  EXPECT_TRUE(shown().edited);
+  ASSERT_EQ(panel_.marked_boxes(objects_).size(), 1u);
+  EXPECT_NEAR(panel_.marked_boxes(objects_)[0].min().y(), 0.05, 1e-4);
+  EXPECT_EQ(panel_.in_part_colours(objects_), &objects_[2]) << "the open section shows them";
+  EXPECT_TRUE(panel_.shown(objects_).parts_shown);
+
+  answer(sent(part_action(Kind::Material, 1, "down")));
+  EXPECT_EQ(shown().parts[1].material, "down");
+  PanelActions share = part_action(Kind::Share, 0);
+  share.part_edit->share = 0.8;
+  answer(sent(share));
+  EXPECT_NEAR(shown().parts[1].share, 0.2, 1e-12);
+  PanelActions box = part_action(Kind::MoveBox, 1);
+  box.part_edit->moved.min_m = {0, 0, 0};  // open above
+  answer(sent(box));
+  EXPECT_FALSE(shown().parts[1].boxes[0].max_m);
+  const auto marked = panel_.marked_boxes(objects_);
+  ASSERT_EQ(marked.size(), 1u);
+  EXPECT_EQ(marked[0].max(), body_.max());
+  EXPECT_TRUE(panel_.act(part_action(Kind::Material, 1, "down"), objects_).empty()) << "no change";
+}
+
+// An edit before the answer to the last one is of what that one left.
+TEST_F(ObjectPanelParts, EditsBuildOnWhatIsNotYetAnswered) {
+  sent(part_action(Kind::Add, 0));
+  EXPECT_EQ(sent(part_action(Kind::Name, 1, "top"))[1].name(), "top");
+  EXPECT_EQ(shown().parts[1].name, "top");
+  panel_.take_refusal("pillow", "physics.parts[1].name: is already that of another part; give another name");
+  EXPECT_TRUE(shown().parts.empty()) << "as the server has it";
+  EXPECT_TRUE(panel_.shown(objects_).messages.at(0).refusal);
+}
+
+// The scene file overrules the edit, or undo takes it back.
+TEST_F(ObjectPanelParts, ShowsWhatTheServerDecides) {
+  const MaterialParts divided = sent(part_action(Kind::Add, 0));
+  answer(MaterialParts());
+  EXPECT_TRUE(shown().parts.empty());
+  answer(divided);
+  panel_.act({}, objects_);
+  answer(MaterialParts());
+  EXPECT_TRUE(shown().parts.empty());
+}
+
+TEST_F(ObjectPanelParts, GoBackToTheEstimate) {
+  answer(sent(part_action(Kind::Add, 0)));
+  const auto calls = panel_.act(part_action(Kind::Estimate, 0), objects_);
+  ASSERT_EQ(calls.size(), 1u);
+  EXPECT_EQ(std::get<RestoreEstimateCall>(calls[0]).fields, std::vector<std::string>{"parts"});
+}
+
+// The line of the facts and the rows with colours say the same.
+TEST_F(ObjectPanelParts, AreListedOnce) {
+  answer(sent(part_action(Kind::Add, 0)));
+  const auto lines = [&] {
+    const ObjectsPanel shown = panel_.shown(objects_);
+    return std::count_if(shown.facts.begin(), shown.facts.end(),
+                         [](const std::string& fact) { return fact.starts_with("Parts: "); });
+  };
+  EXPECT_EQ(lines(), 0);
+  PanelActions closed;
+  closed.parts_open = false;
+  panel_.act(closed, objects_);
+  EXPECT_EQ(lines(), 0);
+  EXPECT_EQ(panel_.shown(objects_).parts.size(), 2u);
+  objects_[2].rest.revision = 1;  // broken
+  EXPECT_FALSE(panel_.shown(objects_).division);
+  EXPECT_EQ(lines(), 1) << "without places there is no list with colours";
 }
 
 TEST(ObjectPanel, SliderReleaseIsOneCall) {

@@ -55,8 +55,8 @@ class PanelTest : public ::testing::Test {
   }
   // Clicks everywhere in the window, on a grid finer than a button, until an action matches.
   std::optional<std::pair<float, float>> find(const std::function<bool(const PanelActions&)>& wanted,
-                                              float left, float right) {
-    for (float y = 40; y < height_px_ - 10; y += 9) {
+                                              float left, float right, float top = 40) {
+    for (float y = top; y < height_px_ - 10; y += 9) {
       for (float x = left; x < right; x += 25) {
         for (const bool down : {false, true, false, false}) {
           mouse(x, y, down);
@@ -128,7 +128,7 @@ TEST_F(PanelTest, ButtonsReportTheirActions) {
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.analyse_all; }, 890, 1270));
 }
 
-TEST_F(PanelTest, PartsAreATickBoxAndALegendOnceTheyAreShown) {
+TEST_F(PanelTest, PartsAreATickBoxAndALegend) {
   const auto ticked = [](const PanelActions& actions) { return actions.show_parts == true; };
   EXPECT_FALSE(find(ticked, 890, 940));
   const float bare_px = panel("Objects")->ContentSize.y;
@@ -137,11 +137,106 @@ TEST_F(PanelTest, PartsAreATickBoxAndALegendOnceTheyAreShown) {
   EXPECT_TRUE(find(ticked, 890, 940));
   for (int i = 0; i < 3; ++i) frame();
   const float box_px = panel("Objects")->ContentSize.y;
-  EXPECT_GT(box_px, bare_px);
+  EXPECT_GT(box_px, bare_px + 2 * ImGui::GetTextLineHeight());
   panels_.objects.parts_shown = true;
   for (int i = 0; i < 3; ++i) frame();
-  EXPECT_GE(panel("Objects")->ContentSize.y, box_px + 2 * ImGui::GetTextLineHeight());
+  EXPECT_EQ(panel("Objects")->ContentSize.y, box_px) << "nothing moves";
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.show_parts == false; }, 890, 940));
+}
+
+// Two parts, the second in two boxes.
+class PartsPanelTest : public PanelTest {
+ protected:
+  using Kind = PartEdit::Kind;
+  void SetUp() override {
+    PanelTest::SetUp();
+    PartsPanel division;
+    division.parts.resize(2);
+    division.parts[0].name = "pot";
+    division.parts[1].name = "leaves";
+    for (PartsPanel::Part& part : division.parts) part.share = 0.5;
+    division.parts[1].boxes.resize(2);
+    division.parts[1].boxes[0].min_m = {0.1, 0.2, 0.3};
+    division.selected = 1;
+    division.body = PartsPanel::Box{{{-1, -1, -1}}, {{1, 1, 1}}};
+    panels_.objects.division = division;
+    const auto header =
+        find([](const PanelActions& actions) { return actions.parts_open == true; }, 1000, 1010);
+    ASSERT_TRUE(header);
+    below_ = header->second + ImGui::GetFrameHeight() + 4;
+    for (int i = 0; i < 3; ++i) frame();
+  }
+  std::optional<PartEdit> found(Kind kind) {
+    std::optional<PartEdit> edit;
+    const auto wanted = [&](const PanelActions& actions) {
+      if (actions.part_edit && actions.part_edit->kind == kind) edit = actions.part_edit;
+      return edit.has_value();
+    };
+    (void)find(wanted, 895, 1265, below_);
+    return edit;
+  }
+  float below_ = 0;  // the header of the section
+};
+
+TEST_F(PartsPanelTest, ButtonsAndTicksReportEdits) {
+  EXPECT_FALSE(found(Kind::Estimate)) << "nothing was set by hand";
+  panels_.objects.division->edited = true;
+  EXPECT_TRUE(found(Kind::Estimate));
+  EXPECT_TRUE(found(Kind::Add));
+  ASSERT_TRUE(found(Kind::Remove));
+  EXPECT_EQ(found(Kind::Remove)->part, 0u);
+  EXPECT_EQ(found(Kind::AddBox)->part, 1u);
+  EXPECT_EQ(found(Kind::RemoveBox)->box, 0u);
+  const auto moved = found(Kind::MoveBox);  // the first tick is of the lower corner
+  ASSERT_TRUE(moved);
+  EXPECT_FALSE(moved->moved.min_m);
+  panels_.objects.division->parts[1].boxes[0].min_m.reset();
+  const auto closed = found(Kind::MoveBox);
+  ASSERT_TRUE(closed && closed->moved.min_m);
+  EXPECT_EQ((*closed->moved.min_m)[0], -1) << "begins at the body";
+  panels_.objects.division->full = true;
+  EXPECT_FALSE(found(Kind::Add));
+  EXPECT_TRUE(
+      find([](const PanelActions& actions) { return actions.part_selected == 0u; }, 895, 905, below_));
+}
+
+// A click into a field above ends the edit of the one below.
+TEST_F(PartsPanelTest, TypedNameIsReportedOnceTheFieldIsLeft) {
+  const auto field = [&](size_t part) {
+    return find([&](const PanelActions& actions) { return actions.part_selected == part; }, 960, 970, below_);
+  };
+  const auto above = field(0);
+  ASSERT_TRUE(above && field(1));
+  frame();
+  mouse(0, 0, false);
+  for (const char letter : {'t', 'o', 'p'}) {
+    ImGui::GetIO().AddInputCharacter(static_cast<unsigned>(letter));
+    EXPECT_FALSE(frame().part_edit) << "not while it is typed";
+  }
+  std::vector<PartEdit> edits;
+  for (const bool down : {false, true, false, false}) {
+    mouse(above->first, above->second, down);
+    if (const auto actions = frame(); actions.part_edit) edits.push_back(*actions.part_edit);
+  }
+  ASSERT_EQ(edits.size(), 1u);
+  EXPECT_EQ(edits[0].kind, Kind::Name);
+  EXPECT_EQ(edits[0].part, 1u);
+  EXPECT_EQ(edits[0].text, "top");
+}
+
+TEST_F(PartsPanelTest, TakesThePlaceOfTheLegendAndFits) {
+  panels_.objects.parts = {{"pot of terracotta (60 %)", {}}, {"leaves of plant leaf (40 %)", {}}};
+  panels_.objects.parts_shown = true;
+  EXPECT_TRUE(frame().parts_open.value());
+  EXPECT_FALSE(
+      find([](const PanelActions& actions) { return actions.show_parts.has_value(); }, 895, 905, below_));
+  for (const float scale : {1.0f, 2.0f}) {
+    set_style(scale);
+    for (const auto& [width, height] : {std::pair(640, 480), std::pair(1280, 800)}) {
+      resize(static_cast<float>(width), static_cast<float>(height));
+      if (is_open("Objects")) expect_usable("Objects");
+    }
+  }
 }
 
 // A drag of any length is one edit, at the release.
