@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene that is built in the window: files dropped in, named, moved by gizmo and by numbers, scaled,
 // deleted, undone, edited, saved, and opened again.
+#include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/message_differencer.h>
 
 #include <future>
 #include <thread>
 
 #include "core/clock.h"
+#include "core/file.h"
 #include "gaussian/asset_file.h"
+#include "material/part_places.h"
 #include "patience.h"
 #include "rates.h"
 #include "sample/made_room.h"
@@ -104,7 +107,9 @@ class WindowAuthor : public WindowHands {
 
   static constexpr double kDropped_m = 0.3;  // z of dropped files
   static constexpr int kWindowHeight = 1000;
-  static constexpr size_t kTextRows = 6;                     // with the search above the list
+  static constexpr size_t kTextRows = 6;  // with the search above the list
+  // Columns of the Objects panel: its left end, and the materials of parts.
+  static constexpr int kPartsLeft = kWidth - 10 - 390 + 12 + 2, kMaterialColumn = kWidth - 148;
   static constexpr int kFields = 10 + 84, kFieldsEnd = 283;  // ends of the Scene panel's fields
   std::string camera_text_ =
       R"({ "position_m": [0.4, 0.9, 3.0], "look_at_m": [0.4, 0.2, 0], "vertical_fov_deg": 40 })";
@@ -231,6 +236,98 @@ TEST_F(WindowAuthor, BuildsAScene) {
   run_steps();
   EXPECT_EQ(server_->scene().objects_size(), 4);
   expect_the_same_again();
+}
+
+// Parts of a wooden stool: it is divided, one part becomes cork, undo and redo, and the sidecar has them
+// after the server was started again.
+TEST_F(WindowAuthor, DividesAnObjectIntoParts) {
+  drop("stool.ply", 0.4);
+  step("the stool", [this](const Image&) { return object("stool") != nullptr; });
+  // The Parts section is the last header; the rows below have the colour of their part.
+  const auto headers = [](const Image& shown) { return widgets(shown, kPartsLeft, 61, 92, 122); };
+  click("the Parts section", [headers](const Image& shown) -> std::optional<Eigen::Vector2d> {
+    const std::vector<int> rows = headers(shown);
+    return rows.empty() ? std::nullopt : std::optional(Eigen::Vector2d(kPartsLeft + 60, rows.back()));
+  });
+  act({[this] { hands_->move(600, 900); }, [] {}});
+  pictures(3);
+  keep("parts_1_opened");
+  click("Divide", [](const Image& shown) -> std::optional<Eigen::Vector2d> {
+    const std::vector<int> rows = widgets(shown, kPartsLeft, 56, 77, 99);
+    return rows.empty() ? std::nullopt : std::optional(Eigen::Vector2d(kPartsLeft + 10, rows.front()));
+  });
+  act({[this] { hands_->move(600, 900); }, [] {}});
+  const auto kept_parts = [this] {
+    v1::PhysicsFile file;
+    for (const auto& one : std::filesystem::directory_iterator(server_->file().parent_path())) {
+      if (!one.path().filename().string().ends_with(".physics.json")) continue;
+      const auto bytes = read_file(one.path());
+      EXPECT_TRUE(bytes);
+      const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+      EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text, &file).ok());
+    }
+    return file.edits().parts();
+  };
+  const auto material = [kept_parts](const std::string& name) {
+    return [kept_parts, name](const Image&) {
+      const auto parts = kept_parts();
+      return parts.size() == 2 && (parts[1].material() == name) == (name == "cork") &&
+             std::abs(parts[0].mass_share() + parts[1].mass_share() - 1) < 1e-9;
+    };
+  };
+  step("two parts", material("of before"));
+  const auto many_of = [](size_t part) {
+    return [part](const Image& shown) {
+      const Eigen::Vector3f hue = part_rgb(part).normalized();
+      size_t count = 0;
+      for (int y = 0; y < shown.height; ++y) {
+        for (int x = kLeft; x < kRight; ++x) {
+          const Eigen::Vector3f rgb(shown.at(x, y));
+          count += rgb.norm() > 0.25f && rgb.normalized().dot(hue) > 0.98f;
+        }
+      }
+      return count > 1000;
+    };
+  };
+  step("the seat in its colour", many_of(1));
+  step("the legs in theirs", many_of(0));
+  pictures(3);
+  keep("parts_2_divided");
+  click("the material of the second part", [](const Image& shown) -> std::optional<Eigen::Vector2d> {
+    const std::vector<int> rows = widgets(shown, kMaterialColumn, 46, 51, 61);
+    return rows.size() < 2 ? std::nullopt : std::optional(Eigen::Vector2d(kMaterialColumn, rows[1]));
+  });
+  pictures(4);
+  keep("parts_3_materials");
+  type({"c", "o", "r", "k"});
+  act({[this] { hands_->move(600, 900); }, [] {}});
+  step("cork", material("cork"));
+  pictures(6);
+  keep("parts_4_cork");
+  chord("z");
+  step("undone", material("of before"));
+  chord("y");
+  step("redone", material("cork"));
+  click("the estimate", [](const Image& shown) -> std::optional<Eigen::Vector2d> {
+    const std::vector<int> rows = widgets(shown, kPartsLeft, 56, 77, 99);
+    return rows.empty() ? std::nullopt : std::optional(Eigen::Vector2d(kPartsLeft + 130, rows.front()));
+  });
+  act({[this] { hands_->move(600, 900); }, [] {}});
+  step("one part again", [kept_parts](const Image&) { return kept_parts().empty(); });
+  chord("z");
+  step("cork once more", material("cork"));
+  chord("s");
+  step("saved", [this](const Image&) {
+    const auto document = server_->control().scene();
+    return document && !document->unsaved();
+  });
+  close();
+  run_steps();
+  server_->stop();
+  Program info({LIVEGS_TOOL, "info", server_->file()});
+  EXPECT_EQ(info.wait(), 0) << info.err();
+  EXPECT_NE(info.out().find("part 2 of cork, 50 % of the mass"), std::string::npos) << info.out();
+  server_->start(false);
 }
 
 // A second window, of another process, and a server that is killed between the steps of both.
