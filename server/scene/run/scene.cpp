@@ -17,6 +17,7 @@
 #include "scene/build/elastic_report.h"
 #include "scene/build/fracture_warning.h"
 #include "scene/build/fragile_object.h"
+#include "scene/build/mass_ratio_warning.h"
 #include "scene/build/shape_asset.h"
 #include "scene/build/share_elastic_budget.h"
 #include "scene/check/check_object.h"
@@ -167,6 +168,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   }
 
   share_elastic_budget(built, *settings);
+  warn_of_mass_ratios(built, *settings);
   scene.bounds_m_ = built_bounds(built);
   auto environment = build_environment(options.cache.get(), file.environment(), folder, built);
   if (!environment) return environment.error();

@@ -5,64 +5,21 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "common/gaussian/ply/ply_columns.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
+#include "known_gaps.h"
 #include "scratch_folder.h"
-#include "system/support/program.h"
+#include "system/support/limited_tool.h"
 
 namespace livegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kLimited = false;  // sanitizers reserve terabytes
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool kLimited = false;
-#else
-constexpr bool kLimited = true;
-#endif
-#else
-constexpr bool kLimited = true;
-#endif
-
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-
-  // The rest of the line that starts with this word; empty if none does.
-  std::string value(const std::string& word) const {
-    std::istringstream lines(out);
-    for (std::string line; std::getline(lines, line);) {
-      if (!line.starts_with(word + " ")) continue;
-      const size_t at = line.find_first_not_of(' ', word.size());
-      return at == line.npos ? "" : line.substr(at);
-    }
-    return "";
-  }
-  double number(const std::string& word) const { return std::strtod(value(word).c_str(), nullptr); }
-};
-
-// Runs the tool under 4 GB of address space. A shell that cannot set the limit ends with an error.
-Outcome run_tool(std::vector<std::string> words) {
-  std::vector<std::string> all = {
-      "/bin/sh", "-c",        std::string(kLimited ? "ulimit -v 4194304 && " : "") + "exec \"$@\"",
-      "sh",      LIVEGS_TOOL, "--threads",
-      "2"};
-  all.insert(all.end(), words.begin(), words.end());
-  Program program(all);
-  Outcome outcome;
-  outcome.code = program.wait();
-  outcome.out = program.out();
-  outcome.err = program.err();
-  return outcome;
-}
 
 class InputKinds : public ::testing::Test {
  protected:
@@ -71,8 +28,8 @@ class InputKinds : public ::testing::Test {
     return folder_ / name;
   }
   // What `info` prints of an asset that is read right.
-  Outcome expect_read(const std::string& path, size_t kernels, double size, double tolerance = 1e-3) {
-    const Outcome outcome = run_tool({"info", path});
+  ToolOutcome expect_read(const std::string& path, size_t kernels, double size, double tolerance = 1e-3) {
+    const ToolOutcome outcome = run_tool({"info", path});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.number("kernels"), static_cast<double>(kernels)) << outcome.out;
     std::istringstream sizes(outcome.value("size"));
@@ -80,7 +37,7 @@ class InputKinds : public ::testing::Test {
     return outcome;
   }
   std::string converted(const std::string& from, const std::string& name) {
-    const Outcome outcome = run_tool({"convert", from, folder_ / name});
+    const ToolOutcome outcome = run_tool({"convert", from, folder_ / name});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return folder_ / name;
   }
@@ -91,7 +48,7 @@ constexpr size_t kKernels = 600;
 
 // A ball of radius 1 whose extent is that of its poles within half a percent.
 GaussianAsset kinds_ball() { return ball_asset(kKernels, 0.03, 0.95); }
-constexpr double kBallSize = 2, kBallTolerance = 0.01;
+constexpr double kBallSize = 2, kBallTolerance = 0.01, kBallVolume = 4.0 / 3 * std::numbers::pi;
 
 TEST_F(InputKinds, TwoScales) {
   const GaussianAsset asset = kinds_ball();
@@ -101,8 +58,8 @@ TEST_F(InputKinds, TwoScales) {
     if (i == 2) named(columns, "scale_0").type = "double";
     if (i == 3) columns.insert(columns.begin() + 3, {"float", "nx", [](size_t) { return 0.0; }});
     if (i == 4) std::rotate(columns.begin(), columns.begin() + 5, columns.end());
-    const Outcome info = expect_read(write("surfels.ply", ply_of(columns, kKernels, "", i % 2 == 1)),
-                                     kKernels, kBallSize, kBallTolerance);
+    const ToolOutcome info = expect_read(write("surfels.ply", ply_of(columns, kKernels, "", i % 2 == 1)),
+                                         kKernels, kBallSize, kBallTolerance);
     EXPECT_NE(info.value("note").find("2DGS"), std::string::npos) << info.out;
   }
 }
@@ -115,7 +72,7 @@ TEST_F(InputKinds, NamedAxes) {
                                       {"VERTICAL AXIS: x", "x"},
                                       {"up: -X", "-x"}}) {
     const auto ply = ply_of(columns_of(asset), kKernels, "comment " + std::string(comment) + "\n");
-    const Outcome info = expect_read(write("axis.ply", ply), kKernels, kBallSize, kBallTolerance);
+    const ToolOutcome info = expect_read(write("axis.ply", ply), kKernels, kBallSize, kBallTolerance);
     EXPECT_EQ(info.value("axes"), std::string(axis) + " up, named by the file") << comment;
   }
 }
@@ -138,19 +95,30 @@ TEST_F(InputKinds, ColoursInPlaceOfHarmonics) {
     expect_read(path, kKernels, kBallSize, kBallTolerance);
     const auto read = read_asset(converted(path, "back.ply"));
     ASSERT_TRUE(read) << read.error().message;
-    for (size_t k = 0; k < kKernels; k += 50)
-      EXPECT_NEAR(read->asset.sh_dc[k].y(), (byte_of(k, 1) / 255 - 0.5) / 0.28209479, 1e-4) << types[i];
+    for (size_t k = 0; k < kKernels; k += 50) {
+      for (int channel = 0; channel < 3; ++channel)
+        EXPECT_NEAR(read->asset.sh_dc[k][channel], (byte_of(k, channel) / 255 - 0.5) / 0.28209479, 1e-4)
+            << types[i] << ", channel " << channel;
+    }
   }
 }
 
 TEST_F(InputKinds, AntialiasedMarksSurviveFormats) {
   const GaussianAsset asset = kinds_ball();
-  for (const char* mark : {"SplatRenderMode: mip", "SplatRenderMode: Mip", "SPLATRENDERMODE: MIP",
-                           "antialiased 1", "Antialiased: True"}) {
+  for (const auto& [mark, marked] : {std::pair("SplatRenderMode: mip", true),
+                                     {"SplatRenderMode: Mip", true},
+                                     {"SPLATRENDERMODE: MIP", true},
+                                     {"antialiased 1", true},
+                                     {"Antialiased: True", true},
+                                     {"SplatRenderMode: Default", false},
+                                     {"antialiased 0", false},
+                                     {"Antialiased: FALSE", false},
+                                     {"trained without mip, not antialiased", false},
+                                     {"SH degree: 0", false}}) {
     const auto ply = ply_of(columns_of(asset), kKernels, std::string("comment ") + mark + "\n");
     const std::string back = converted(converted(write("mip.ply", ply), "mip.spz"), "back.ply");
-    const Outcome info = expect_read(back, kKernels, kBallSize, kBallTolerance);
-    EXPECT_NE(info.value("SH").find("antialiased"), std::string::npos) << mark << "\n" << info.out;
+    const ToolOutcome info = expect_read(back, kKernels, kBallSize, kBallTolerance);
+    EXPECT_EQ(info.value("SH").find("antialiased") != std::string::npos, marked) << mark << "\n" << info.out;
   }
 }
 
@@ -165,7 +133,7 @@ TEST_F(InputKinds, EndingsInAnyCase) {
     ASSERT_TRUE(write_asset(scans / lower, asset));
     fs::rename(scans / lower, scans / name);
     expect_read(scans / name, kKernels, kBallSize, kBallTolerance);
-    const Outcome info = run_tool({"info", scans / ""});
+    const ToolOutcome info = run_tool({"info", scans / ""});
     EXPECT_EQ(info.code, 0) << name << ": " << info.err;
     EXPECT_EQ(info.value("builds"), "yes") << name << "\n" << info.out;
   }
@@ -183,7 +151,7 @@ TEST_F(InputKinds, PositionsOnTheEarth) {
       column.type = "double";
       column.value = [&asset, place, k](size_t i) { return place[k] + double{asset.positions[i][k]}; };
     }
-    const Outcome info =
+    const ToolOutcome info =
         expect_read(write("utm.ply", ply_of(columns, kKernels)), kKernels, kBallSize, kBallTolerance);
     EXPECT_NE(info.value("origin"), "") << place.transpose();
   }
@@ -203,9 +171,9 @@ TEST_F(InputKinds, GuessedUnitsSurviveFormats) {
     const std::string stem(file, std::string(file).find('.'));
     const std::string ply = write(stem + ".ply", encode_ply(asset));
     const std::string other = converted(ply, file);
-    const Outcome info = expect_read(other, kKernels, radius * kBallSize, kBallTolerance);
+    const ToolOutcome info = expect_read(other, kKernels, radius * kBallSize, kBallTolerance);
     EXPECT_TRUE(info.value("unit").starts_with("unknown")) << info.out;
-    const Outcome before = run_tool({"mesh", ply}), after = run_tool({"mesh", other});
+    const ToolOutcome before = run_tool({"mesh", ply}), after = run_tool({"mesh", other});
     ASSERT_EQ(before.code, 0) << before.err;
     ASSERT_EQ(after.code, 0) << after.err;
     EXPECT_NEAR(after.number("scale"), before.number("scale"), 0.01 * before.number("scale")) << file;
@@ -273,19 +241,23 @@ TEST_F(InputKinds, SplatsSampledOnAMesh) {
         asset.opacity_logits.back() = 3;
         asset.sh_dc.back().setZero();
       }
-      const Outcome mesh = run_tool({"mesh", write("cube.ply", encode_ply(asset)), "--scale", "1"});
+      const ToolOutcome mesh = run_tool({"mesh", write("cube.ply", encode_ply(asset)), "--scale", "1"});
       ASSERT_EQ(mesh.code, 0) << mesh.err;
-      const bool named_leak = (mesh.out + mesh.err).find("leak") != std::string::npos;
-      // Round kernels extend the body by up to a standard deviation.
-      const double most_m3 = 1.2 * std::pow(0.2 + (flat ? 0 : cell), 3), volume_m3 = mesh.number("volume");
-      EXPECT_TRUE(named_leak || (volume_m3 > 0.8 * 0.008 && volume_m3 < most_m3))
-          << edge << (flat ? " flat\n" : " round\n") << mesh.out << mesh.err;
+      EXPECT_EQ((mesh.out + mesh.err).find("leak"), std::string::npos) << mesh.out << mesh.err;
+      const double error = std::abs(mesh.number("volume") / 0.008 - 1);
+      // Round kernels reach a deviation beyond the cube: half a cell.
+      if (edge == 8 && !flat) {
+        report_gap("input_kinds.round_8_volume", error);
+        continue;
+      }
+      EXPECT_LE(error, flat ? 0.02 : 0.2) << edge << (flat ? " flat\n" : " round\n") << mesh.out << mesh.err;
     }
   }
 }
 
-// The light box stays below, or a line before the run names the masses.
+// Each box rests on the one below, or a line before the run names the ratio of the masses.
 TEST_F(InputKinds, HeavyOnLight) {
+  int warned = 0;
   for (const double light_kg : {5.0, 1.0, 0.1, 0.01, 0.001}) {
     const std::string scene =
         R"({ "rate_hz": 60, "environment": { "colliders": [ { "plane": {} } ] }, "objects": [
@@ -295,22 +267,19 @@ TEST_F(InputKinds, HeavyOnLight) {
       { "name": "heavy", "shape": { "box": { "size_m": [0.3, 0.3, 0.3] } }, "pose": { "position_m": [0, 0.5, 0] },
         "physics": { "behavior": "RIGID", "mass_kg": 100 } } ] })";
     const std::string out = folder_ / "run";
-    const Outcome run =
+    const ToolOutcome run =
         run_tool({"simulate", folder_.write("heavy.scene.json", scene), "-o", out, "--seconds", "2"});
     ASSERT_EQ(run.code, 0) << run.err;
-    std::ifstream bodies(fs::path(out) / "bodies.csv");
-    double height_m = -1;
-    for (std::string line; std::getline(bodies, line);) {
-      const size_t at = line.find(",heavy,");
-      if (at == line.npos) continue;
-      std::istringstream values(line.substr(at + 7));
-      std::string cell;
-      for (int i = 0; i < 3; ++i) std::getline(values, cell, ',');  // body, px, py
-      height_m = std::strtod(cell.c_str(), nullptr);
+    const double ratio = named_mass_ratio(run.err);
+    if (ratio > 0) {
+      EXPECT_NEAR(ratio, 100 / light_kg, 1) << run.err;
+      ++warned;
+      continue;
     }
-    const bool warned = run.err.find("mass") != std::string::npos;
-    EXPECT_TRUE(warned || std::abs(height_m - 0.45) < 0.01) << light_kg << " kg: " << height_m << " m";
+    EXPECT_NEAR(last_value(fs::path(out) / "bodies.csv", "light", "py"), 0.15, 1e-3) << light_kg << " kg";
+    EXPECT_NEAR(last_value(fs::path(out) / "bodies.csv", "heavy", "py"), 0.45, 1e-3) << light_kg << " kg";
   }
+  EXPECT_LE(warned, 1);  // a ratio of 10 000 is carried
 }
 
 // Text of five layouts: elements before, behind, on both sides, with lists, and empty.
@@ -349,11 +318,12 @@ TEST_F(InputKinds, ActivatedValues) {
       named(columns, name).value = [=](size_t) { return deviation; };
     named(columns, "opacity").value = [](size_t) { return 0.9; };
     const std::string path = write("activated.ply", ply_of(columns, kMany));
-    const Outcome info = expect_read(path, kMany, kBallSize, kBallTolerance);
+    const ToolOutcome info = expect_read(path, kMany, kBallSize, kBallTolerance);
     EXPECT_NE(info.out.find("activated"), std::string::npos) << info.out;
-    const Outcome mesh = run_tool({"mesh", path, "--scale", "0.1"});
+    const ToolOutcome mesh = run_tool({"mesh", path, "--scale", "0.1"});
     EXPECT_EQ(mesh.code, 0) << mesh.err;
-    EXPECT_GT(mesh.number("volume"), 0) << mesh.out;
+    // Kernels this wide say nothing of the surface: it is that of their centres.
+    EXPECT_NEAR(mesh.number("volume"), kBallVolume * 1e-3, 0.02 * kBallVolume * 1e-3) << mesh.out;
   }
 }
 
