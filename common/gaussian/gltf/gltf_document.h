@@ -28,6 +28,7 @@ class GltfDocument {
   // `bytes` and `name` outlive the document. `folder`: of referenced files; empty: there are none.
   static Result<GltfDocument> open(Bytes bytes, const std::filesystem::path& folder, std::string_view name);
 
+  const std::string& name() const { return name_; }
   const nlohmann::json& json() const { return json_; }
   uint64_t total_bytes() const { return total_bytes_; }
 

@@ -11,14 +11,23 @@
 #include "core/text/path_ending.h"
 #include "core/text/shown_text.h"
 #include "gaussian/asset/append_asset.h"
+#include "gaussian/asset/establish_invariants.h"
 #include "gaussian/asset/float_of.h"
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/subtract_origin.h"
 #include "gaussian/asset/y_up.h"
 #include "gaussian/gltf/gltf_document.h"
+#include "gaussian/gltf/gltf_mesh.h"
 #include "gaussian/transform_asset.h"
 
 namespace livegs {
+
+// One primitive with exact positions, in the axes of its node.
+struct GltfKernels {
+  GaussianAsset asset;
+  std::vector<Eigen::Vector3d> exact;
+};
+
 namespace {
 
 using Json = nlohmann::json;
@@ -92,14 +101,25 @@ void encode_linear_colours(GaussianAsset& asset) {
   }
 }
 
-// One primitive with exact positions, in the axes of its node.
-struct Kernels {
-  GaussianAsset asset;
-  std::vector<Eigen::Vector3d> exact;
-};
+// Whether the lines of LiveGS in the extras of an object mark its kernels as trained antialiased. `frame`
+// takes the other lines, and `notes` what they do not understand; null: they are ignored.
+bool read_extras(const Json& object, AssetFrame* frame, std::vector<std::string>* notes) {
+  bool antialiased = false;
+  const Json& lines = member_of(member_of(object, "extras"), "livegs");
+  if (!lines.is_array() || lines.size() > 16) return false;
+  for (const Json& line : lines) {
+    if (!line.is_string()) continue;
+    const std::string& text = line.get_ref<const std::string&>();
+    antialiased |= lower_case(text) == "splatrendermode: mip";
+    if (!frame) continue;
+    std::string note = read_frame_line(text, *frame);
+    if (!note.empty()) notes->push_back(std::move(note));
+  }
+  return antialiased;
+}
 
 // Moves kernels to the frame of the scene. Shear and mirrors are allowed: covariances become M C M^T.
-void place(Kernels& kernels, const Affine3d& scene_from_node) {
+void place(GltfKernels& kernels, const Affine3d& scene_from_node) {
   GaussianAsset& asset = kernels.asset;
   const Matrix3d linear = scene_from_node.linear();
   for (Eigen::Vector3d& position : kernels.exact) position = scene_from_node * position;
@@ -134,6 +154,8 @@ void place(Kernels& kernels, const Affine3d& scene_from_node) {
   }
 }
 
+}  // namespace
+
 class GltfSplats {
  public:
   explicit GltfSplats(const GltfDocument& document) : document_(document) {}
@@ -154,19 +176,25 @@ class GltfSplats {
     file.notes = std::move(notes_);
     turn_half_about_x(file.asset);
     for (Eigen::Vector3d& position : all_.exact) position.tail<2>() *= -1;
-    const Json& lines = member_of(member_of(member_of(document_.json(), "asset"), "extras"), "livegs");
-    if (lines.is_array() && lines.size() <= 16) {
-      for (const Json& line : lines) {
-        if (!line.is_string()) continue;
-        const std::string& text = line.get_ref<const std::string&>();
-        if (lower_case(text) == "splatrendermode: mip") file.asset.antialiased = true;
-        std::string note = read_frame_line(text, file.frame);
-        if (!note.empty()) file.notes.push_back(std::move(note));
-      }
-    }
+    // Exports up to version 1 of LIVEGS_physics marked the whole document.
+    if (read_extras(member_of(document_.json(), "asset"), &file.frame, &file.notes))
+      file.asset.antialiased = true;
+    else if (file.asset.antialiased && unmarked_)
+      file.notes.push_back("some kernels were trained antialiased, others not; all are drawn as antialiased");
     file.frame.up_axis = "-y";  // after the turn; the format has one frame
     subtract_origin(file, &all_.exact);
     return file;
+  }
+
+  Result<GaussianAsset> read_mesh(const Json& index) {
+    if (auto added = add_mesh(index, Affine3d::Identity()); !added) return added.error();
+    if (all_.asset.size() == 0) return GaussianAsset{};
+    AssetFile file;
+    file.asset = std::move(all_.asset);
+    all_ = {};
+    turn_half_about_x(file.asset);
+    if (auto valid = establish_invariants(file, document_.name()); !valid) return valid.error();
+    return std::move(file.asset);
   }
 
  private:
@@ -246,7 +274,8 @@ class GltfSplats {
                                  "; only ellipse is supported");
       auto kernels = spz ? read_spz_view(*spz) : read_attributes(member_of(primitive, "attributes"));
       if (!kernels) return kernels.error();
-      if ((all_.asset.size() + kernels->asset.size()) * kBytesOfKernel >
+      count_ += kernels->asset.size();
+      if (count_ * kBytesOfKernel >
           (spz ? kMaxCompressionRatio : kMaxInstanceRatio) * document_.total_bytes())
         return document_.problem("repeats its kernels more often than a file of its size may");
       const Json& space = member_of(splats, "colorSpace");
@@ -256,6 +285,8 @@ class GltfSplats {
             "colours are linear and were converted to sRGB, view-dependent ones to first order";
         if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
       }
+      kernels->asset.antialiased |= read_extras(primitive, nullptr, nullptr);
+      unmarked_ |= !kernels->asset.antialiased;
       place(*kernels, scene_from_node);
       append_asset(all_.asset, kernels->asset, [](size_t) { return true; });
       all_.exact.insert(all_.exact.end(), kernels->exact.begin(), kernels->exact.end());
@@ -272,15 +303,15 @@ class GltfSplats {
     return nullptr;
   }
 
-  Result<Kernels> read_spz_view(const Json& index) {
+  Result<GltfKernels> read_spz_view(const Json& index) {
     const auto view = document_.entry("bufferViews", index);
     if (!view) return view.error();
-    if (const auto known = decoded_.find(*view); known != decoded_.end()) return Kernels(known->second);
+    if (const auto known = decoded_.find(*view); known != decoded_.end()) return GltfKernels(known->second);
     const auto bytes = document_.buffer_view(index);
     if (!bytes) return bytes.error();
     auto file = read_spz(*bytes, "the .spz in the file");
     if (!file) return document_.problem(file.error().message);
-    Kernels kernels;
+    GltfKernels kernels;
     kernels.asset = std::move(file->asset);
     turn_half_about_x(kernels.asset);  // back to y up
     for (const Eigen::Vector3f& position : kernels.asset.positions)
@@ -301,8 +332,8 @@ class GltfSplats {
     return member_of(attributes, key.c_str());
   }
 
-  Result<Kernels> read_attributes(const Json& attributes) {
-    Kernels kernels;
+  Result<GltfKernels> read_attributes(const Json& attributes) {
+    GltfKernels kernels;
     GaussianAsset& asset = kernels.asset;
     const auto position = document_.numbers(member_of(attributes, "POSITION"), 3);
     if (!position) return position.error();
@@ -393,18 +424,23 @@ class GltfSplats {
   }
 
   const GltfDocument& document_;
-  std::map<const Json*, Kernels>
+  std::map<const Json*, GltfKernels>
       decoded_;  // .spz views, by their entry: decoded once, however many nodes use them
-  Kernels all_;
+  GltfKernels all_;
+  uint64_t count_ = 0;     // of kernels, over all calls
+  bool unmarked_ = false;  // a primitive without the antialiased mark
   std::vector<std::string> notes_;
 };
-
-}  // namespace
 
 Result<AssetFile> read_gltf(Bytes bytes, const std::filesystem::path& folder, std::string_view name) {
   const auto document = GltfDocument::open(bytes, folder, name);
   if (!document) return document.error();
   return GltfSplats(*document).read();
 }
+
+GltfMeshReader::GltfMeshReader(const GltfDocument& document)
+    : splats_(std::make_unique<GltfSplats>(document)) {}
+GltfMeshReader::~GltfMeshReader() = default;
+Result<GaussianAsset> GltfMeshReader::read(const Json& index) { return splats_->read_mesh(index); }
 
 }  // namespace livegs

@@ -81,6 +81,7 @@ Json attributes_of(const GaussianAsset& asset, bool spz, GltfBuffer& buffer) {
 Result<Json> gltf_splat_primitive(const GaussianAsset& asset, bool spz, GltfBuffer& buffer,
                                   std::set<std::string>& used) {
   Json primitive{{"mode", 0}};
+  if (asset.antialiased) primitive["extras"]["livegs"].push_back("SplatRenderMode: mip");
   Json& extension = primitive["extensions"][kSplats];
   extension = {{"kernel", "ellipse"},
                {"colorSpace", "srgb_rec709_display"},
@@ -138,8 +139,7 @@ Result<std::vector<std::byte>> encode_glb(const GaussianAsset& asset, const Asse
                 {"accessors", buffer.accessors()},
                 {"bufferViews", buffer.views()},
                 {"buffers", {{{"byteLength", buffer.size()}}}}};
-  std::vector<std::string> lines = y_up_frame_lines(frame);
-  if (asset.antialiased) lines.push_back("SplatRenderMode: mip");
+  const std::vector<std::string> lines = y_up_frame_lines(frame);
   if (!lines.empty()) document["asset"]["extras"]["livegs"] = lines;
   return join_glb(document.dump(), buffer.take_bytes());
 }

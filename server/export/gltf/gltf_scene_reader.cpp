@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "export/gltf/gltf_values.h"
 #include "export/gltf_scene.h"
+#include "gaussian/gltf/gltf_mesh.h"
 
 namespace livegs {
 namespace {
@@ -24,7 +25,8 @@ constexpr double kUnitTolerance = 1e-4;  // of the scale of a body
 
 class SceneDecoder {
  public:
-  explicit SceneDecoder(const GltfDocument& document) : document_(document), values_(document) {}
+  explicit SceneDecoder(const GltfDocument& document)
+      : document_(document), values_(document), mesh_reader_(document) {}
 
   Result<PortableScene> decode() {
     const Json& own = extension_of(document_.json(), "LIVEGS_physics");
@@ -135,6 +137,10 @@ class SceneDecoder {
     return {placement.translation(), Quaterniond(turn).normalized()};
   }
 
+  static Affine3d affine_of(const Pose& pose) {
+    return Eigen::Translation3d(pose.position_m) * Affine3d(pose.orientation);
+  }
+
   // A body is a node with motion or with LIVEGS_physics; its nodes are those below it.
   Result<void> take_body(const Visit& visit) {
     const size_t at = static_cast<size_t>(&visit - visits_.data());
@@ -208,21 +214,38 @@ class SceneDecoder {
     if (const Json& joint = part_of(bodies, "joint"); joint.is_object()) {
       if (auto taken = take_joint(joint, visit); !taken) return taken;
     }
-    if (node.contains("mesh") && visit.body) {
-      const auto mesh = document_.entry("meshes", node["mesh"]);
-      if (!mesh) return mesh.error();
-      const Json& primitives = part_of(**mesh, "primitives");
-      if (!primitives.is_array()) return {};
-      for (const Json& primitive : primitives) {
-        if (extension_of(primitive, "KHR_gaussian_splatting").is_null()) continue;
-        const auto accessor =
-            document_.entry("accessors", part_of(part_of(primitive, "attributes"), "POSITION"));
-        if (!accessor) return accessor.error();
-        const auto count = values_.number(**accessor, "count", 0, "an accessor");
-        if (!count) return count.error();
-        scene_.bodies[*visit.body].kernel_count += static_cast<size_t>(std::max(*count, 0.0));
-      }
+    if (node.contains("mesh") && visit.body) return take_splats(node["mesh"], visit);
+    return {};
+  }
+
+  // The kernels of a mesh. Those of one node become the asset of the body.
+  Result<void> take_splats(const Json& index, const Visit& visit) {
+    const auto mesh = document_.entry("meshes", index);
+    if (!mesh) return mesh.error();
+    auto& kept = meshes_[*mesh];  // nodes may share a mesh
+    if (!kept) {
+      auto asset = mesh_reader_.read(index);
+      if (!asset) return asset.error();
+      kept = std::make_shared<const GaussianAsset>(std::move(*asset));
     }
+    if (kept->size() == 0) return {};
+    PortableBody& body = scene_.bodies[*visit.body];
+    const Affine3d object_from_node = affine_of(body.world_from_object.inverse()) * visit.world_from_node;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(object_from_node.linear());
+    const Vector3d sizes = svd.singularValues();
+    const bool alone = body.kernel_count == 0;
+    body.kernel_count += kept->size();
+    body.asset.reset();
+    if (!alone || sizes[0] - sizes[2] > kUnitTolerance * sizes[0] ||
+        object_from_node.linear().determinant() <= 0) {
+      scene_.notes.push_back(name_of_node(visit.node) +
+                             ": has kernels that are stretched, or not the only ones of their body; counted");
+      return {};
+    }
+    const Pose pose = pose_of(object_from_node);
+    body.asset = kept;
+    body.object_from_asset = {sizes.mean(), (pose.orientation * Quaterniond(0, 1, 0, 0)).normalized(),
+                              pose.position_m};
     return {};
   }
 
@@ -300,6 +323,8 @@ class SceneDecoder {
   std::vector<Visit> visits_;  // parents before their children
   std::vector<std::optional<size_t>> visit_of_node_;
   std::map<size_t, size_t> body_of_node_;
+  std::map<const Json*, std::shared_ptr<const GaussianAsset>> meshes_;
+  GltfMeshReader mesh_reader_;
 };
 
 }  // namespace

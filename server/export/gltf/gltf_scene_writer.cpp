@@ -74,12 +74,8 @@ class SceneEncoder {
     if (!materials_.empty()) extensions_[kBodies]["physicsMaterials"] = materials_;
     if (!joints_.empty()) extensions_[kBodies]["physicsJoints"] = joints_;
 
-    Json asset{{"version", "2.0"}, {"generator", "LiveGS"}};
-    const auto mip = [](const PortableBody& body) { return body.asset && body.asset->antialiased; };
-    if (std::any_of(scene_.bodies.begin(), scene_.bodies.end(), mip))
-      asset["extras"]["livegs"].push_back("SplatRenderMode: mip");
-    Json document{
-        {"asset", std::move(asset)}, {"extensionsUsed", used_}, {"extensions", extensions_}, {"scene", 0}};
+    const Json asset{{"version", "2.0"}, {"generator", "LiveGS"}};
+    Json document{{"asset", asset}, {"extensionsUsed", used_}, {"extensions", extensions_}, {"scene", 0}};
     Json root{{"name", scene_.name}};
     if (!roots.empty()) {
       root["nodes"] = roots;

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "export/gltf_scene.h"
+#include "export/usda_scene.h"
 #include "gaussian/asset_file.h"
 #include "scratch_folder.h"
 #include "server/export/gltf_structure.h"
 #include "server/export/made_up_scene.h"
+#include "server/export/scene_difference.h"
 
 namespace livegs {
 namespace {
@@ -170,27 +173,68 @@ TEST(GltfScene, KernelsAreReadAsAnAsset) {
   }
 }
 
+// Positions, scales, orientations, opacities, colours and harmonics of every degree.
 TEST(GltfScene, SpzKeepsKernelsWithinItsStep) {
-  PortableScene scene = made_up_scene(6);
-  scene.animation.reset();
-  scene.bodies.resize(1);
-  scene.joints.clear();
-  PortableBody& body = scene.bodies[0];
-  body.world_from_object = {};
-  body.object_from_asset = {};
-  const auto files = encode_gltf_scene(scene, "", {true});
-  ASSERT_TRUE(files);
-  const auto glb = encode_glb(*files);
-  ASSERT_TRUE(glb);
-  const auto file = decode_asset(*glb, "scene.glb");
-  ASSERT_TRUE(file) << file.error().message;
-  ASSERT_EQ(file->asset.size(), body.kernel_count);
-  for (size_t i = 0; i < body.kernel_count; ++i) {
-    const Eigen::Vector3f& read = file->asset.positions[i];
-    EXPECT_LT(
-        (Eigen::Vector3f(read.x(), -read.y(), -read.z()) - body.asset->positions[i]).cwiseAbs().maxCoeff(),
-        0x1p-12f);
+  std::set<int> degrees;
+  for (const uint64_t seed : {6, 7, 8}) {
+    PortableScene scene = made_up_scene(seed);
+    const auto files = encode_gltf_scene(scene, "", {true});
+    ASSERT_TRUE(files);
+    const auto glb = encode_glb(*files);
+    ASSERT_TRUE(glb);
+    const auto back = decode_gltf_scene(*glb, {}, "scene.glb");
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(scene_difference(scene, *back, 1e-6, 1e-5, kSpzSteps), "");
+    for (const PortableBody& body : scene.bodies) degrees.insert(body.asset->sh_degree);
+    // The asset of a single body, as the reader of assets sees it: turned half about x from the world.
+    scene.animation.reset();
+    scene.bodies.resize(1);
+    scene.joints.clear();
+    scene.bodies[0].world_from_object = {};
+    scene.bodies[0].object_from_asset = {1, Quaterniond(0, 1, 0, 0), Vector3d::Zero()};
+    const auto single = encode_gltf_scene(scene, "", {true});
+    ASSERT_TRUE(single);
+    const auto bytes = encode_glb(*single);
+    ASSERT_TRUE(bytes);
+    const auto file = decode_asset(*bytes, "scene.glb");
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(kernel_difference(*scene.bodies[0].asset, file->asset, kSpzSteps), "");
   }
+  EXPECT_EQ(degrees, std::set<int>({0, 1, 2, 3}));
+}
+
+// Each body of a mixed scene keeps its own mark; as one asset, all kernels have it, and a note says so.
+TEST(GltfScene, AntialiasedMarkIsOfTheMesh) {
+  PortableScene scene;
+  const GaussianAsset plain = *made_up_scene(1).bodies[0].asset;
+  for (const bool marked : {true, false, true, false}) {
+    PortableBody& body = scene.bodies.emplace_back();
+    body.name = std::to_string(scene.bodies.size());
+    body.drawn_only = true;
+    GaussianAsset asset = plain;
+    asset.antialiased = marked;
+    body.kernel_count = asset.size();
+    body.asset = std::make_shared<const GaussianAsset>(std::move(asset));
+  }
+  for (const bool spz : {false, true}) {
+    const auto files = encode_gltf_scene(scene, "", {spz});
+    ASSERT_TRUE(files);
+    EXPECT_EQ(joined(gltf_violations(*files)), "");
+    const auto glb = encode_glb(*files);
+    ASSERT_TRUE(glb);
+    const auto back = decode_gltf_scene(*glb, {}, "mixed.glb");
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(scene_difference(scene, *back, 1e-6, 1e-5, spz ? kSpzSteps : KernelSteps{}), "") << spz;
+    const auto file = decode_asset(*glb, "mixed.glb");
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(file->asset.antialiased);
+    ASSERT_EQ(file->notes.size(), 1u);
+    EXPECT_NE(file->notes[0].find("antialiased"), std::string::npos) << file->notes[0];
+  }
+  const auto stage = decode_usda_scene(encode_usda_scene(scene), "mixed.usda");
+  ASSERT_TRUE(stage) << stage.error().message;
+  EXPECT_EQ(scene_difference(scene, *stage, 1e-6, 1e-6), "");
+  EXPECT_EQ(Json::parse(encode_gltf_scene(scene, "")->json)["meshes"].size(), 2u);
 }
 
 // A body that a recording adds is not drawn without the animation.

@@ -155,8 +155,9 @@ class Maker {
     part.set_name("handle");
     part.set_mass_share(number(0, 1));
     estimates.add_interior_rgb(number(0, 1));
-    result.asset = std::make_shared<const GaussianAsset>(
-        synthetic_asset(5 + index, static_cast<int>(index % 4), seed_ * 100 + index));
+    GaussianAsset asset = synthetic_asset(5 + index, static_cast<int>(index % 4), seed_ * 100 + index);
+    asset.antialiased = (index + seed_) % 3 == 0;
+    result.asset = std::make_shared<const GaussianAsset>(std::move(asset));
     result.kernel_count = result.asset->size();
     result.object_from_asset = {number(0.1, 2), turn(), point(0.2)};
     return result;

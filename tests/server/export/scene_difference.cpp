@@ -3,6 +3,7 @@
 
 #include <google/protobuf/util/message_differencer.h>
 
+#include <cmath>
 #include <map>
 
 namespace livegs {
@@ -61,7 +62,8 @@ std::string difference(const PortableElastic& a, const PortableElastic& b, doubl
   return "";
 }
 
-std::string difference(const PortableBody& a, const PortableBody& b, double tolerance) {
+std::string difference(const PortableBody& a, const PortableBody& b, double tolerance,
+                       const KernelSteps& steps) {
   if (a.behavior != b.behavior) return "behavior";
   if (a.hidden != b.hidden) return "hidden";
   if (a.drawn_only != b.drawn_only) return "drawn_only";
@@ -76,6 +78,14 @@ std::string difference(const PortableBody& a, const PortableBody& b, double tole
   if (!a.shapes.empty() && !near(a.restitution, b.restitution, tolerance)) return "restitution";
   if (!MessageDifferencer::Equals(a.estimates, b.estimates)) return "estimates";
   if (a.kernel_count != b.kernel_count) return "number of kernels";
+  if (a.kernel_count > 0) {
+    if (!a.asset || !b.asset) return "kernels";
+    if (auto found = kernel_difference(*a.asset, *b.asset, steps); !found.empty()) return found;
+    const Similarity &from = a.object_from_asset, &to = b.object_from_asset;
+    if (!near(from.scale, to.scale, tolerance) ||
+        !near(Pose{from.translation_m, from.rotation}, Pose{to.translation_m, to.rotation}, tolerance))
+      return "place of the kernels";
+  }
   if (a.shapes.size() != b.shapes.size()) return "number of shapes";
   for (size_t i = 0; i < a.shapes.size(); ++i) {
     if (auto found = difference(a.shapes[i], b.shapes[i], tolerance); !found.empty()) return found;
@@ -96,8 +106,36 @@ std::string difference(const PortableTrack& a, const PortableTrack& b, double to
 
 }  // namespace
 
+std::string kernel_difference(const GaussianAsset& a, const GaussianAsset& b, const KernelSteps& steps) {
+  if (a.antialiased != b.antialiased) return "antialiased mark";
+  if (a.size() != b.size()) return "number of kernels";
+  if (a.sh_degree != b.sh_degree) return "degree of the harmonics";
+  const auto far = [](const auto& x, const auto& y, float step) {
+    return !((x - y).cwiseAbs().maxCoeff() <= step);
+  };
+  const auto opacity = [](float logit) { return 1 / (1 + std::exp(-logit)); };
+  const size_t rest = a.sh_rest_count();
+  for (size_t i = 0; i < a.size(); ++i) {
+    const auto found = [&](const char* what) {
+      return std::string(what) + " of kernel " + std::to_string(i);
+    };
+    if (far(a.positions[i], b.positions[i], steps.position)) return found("position");
+    if (far(a.log_scales[i], b.log_scales[i], steps.log_scale)) return found("scale");
+    if (!(std::abs(opacity(a.opacity_logits[i]) - opacity(b.opacity_logits[i])) <= steps.opacity))
+      return found("opacity");
+    const float turn_deg = a.rotations[i].angularDistance(b.rotations[i]) * 180 / static_cast<float>(M_PI);
+    if (!(turn_deg <= steps.rotation_deg)) return found("orientation");
+    if (far(a.sh_dc[i], b.sh_dc[i], steps.sh_dc)) return found("colour");
+    for (size_t k = 0; k < rest; ++k) {
+      if (far(a.sh_rest[i * rest + k], b.sh_rest[i * rest + k], k < 3 ? steps.sh_rest_1 : steps.sh_rest))
+        return found("harmonics");
+    }
+  }
+  return "";
+}
+
 std::string scene_difference(const PortableScene& a, const PortableScene& b, double tolerance,
-                             double motion_tolerance) {
+                             double motion_tolerance, const KernelSteps& steps) {
   if (a.name != b.name && !b.name.empty()) return "name";
   if (!near(a.gravity_m_s2, b.gravity_m_s2, tolerance)) return "gravity";
   if (!near(a.rate_hz, b.rate_hz, tolerance)) return "rate";
@@ -107,7 +145,7 @@ std::string scene_difference(const PortableScene& a, const PortableScene& b, dou
   for (const PortableBody& body : a.bodies) {
     const auto found = by_name.find(body.name);
     if (found == by_name.end()) return body.name + ": missing";
-    if (auto what = difference(body, b.bodies[found->second], tolerance); !what.empty())
+    if (auto what = difference(body, b.bodies[found->second], tolerance, steps); !what.empty())
       return body.name + ": " + what;
   }
   if (a.fixed.size() != b.fixed.size()) return "number of colliders";

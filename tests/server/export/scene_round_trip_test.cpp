@@ -58,6 +58,24 @@ TEST(SceneRoundTrip, DifferencesAreFound) {
   EXPECT_NE(difference([](PortableScene& s) { s.bodies[0].world_from_object.position_m.y() += 1e-4; }), "");
   EXPECT_NE(difference([](PortableScene& s) { s.bodies[2].elastic->youngs_modulus_pa *= 1.001; }), "");
   EXPECT_NE(difference([](PortableScene& s) { s.bodies[2].elastic->lattice.cells[0][0] ^= 1; }), "");
+  const auto kernels = [&](const auto& change) {
+    return difference([&](PortableScene& s) {
+      GaussianAsset asset = *s.bodies[1].asset;
+      change(asset);
+      s.bodies[1].asset = std::make_shared<const GaussianAsset>(std::move(asset));
+    });
+  };
+  EXPECT_NE(kernels([](GaussianAsset& a) { a.antialiased = !a.antialiased; }), "");
+  EXPECT_NE(kernels([](GaussianAsset& a) { a.positions[2].y() += 1e-4f; }), "");
+  EXPECT_NE(kernels([](GaussianAsset& a) { a.log_scales[2].y() += 1e-3f; }), "");
+  EXPECT_NE(kernels([](GaussianAsset& a) { a.opacity_logits[2] += 1e-3f; }), "");
+  EXPECT_NE(kernels([](GaussianAsset& a) { a.sh_dc[2].y() += 1e-4f; }), "");
+  EXPECT_NE(kernels([](GaussianAsset& a) { a.sh_rest[2].y() += 1e-3f; }), "");
+  EXPECT_NE(kernels([](GaussianAsset& a) {
+              a.rotations[2] = a.rotations[2] * Eigen::Quaternionf(1, 0.01f, 0, 0).normalized();
+            }),
+            "");
+  EXPECT_NE(difference([](PortableScene& s) { s.bodies[1].object_from_asset.scale *= 1.001; }), "");
   EXPECT_NE(difference([](PortableScene& s) { s.joints[0].point_m.x() += 1e-4; }), "");
   EXPECT_NE(difference([](PortableScene& s) { s.bodies[0].estimates.set_label("cup"); }), "");
   EXPECT_NE(
