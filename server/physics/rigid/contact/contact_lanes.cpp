@@ -28,8 +28,8 @@ inline Wide dot(const Wide3& a, const Wide3& b) { return a.x * b.x + a.y * b.y +
 inline Wide3 cross(const Wide3& a, const Wide3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline Wide squared(const Wide& a) { return a * a; }
 inline Wide larger(const Wide& a, const Wide& b) { return a > b ? a : b; }
+inline Wide smaller(const Wide& a, const Wide& b) { return a < b ? a : b; }
 inline Wide root(Wide a) {
   for (int i = 0; i < kLanes; ++i) a[i] = std::sqrt(a[i]);
   return a;
@@ -107,9 +107,7 @@ struct ContactLanes::Batch {
   Wide mass_xx, mass_xy, mass_yy;  // of both tangents
   Wide along_n_s, along_counted_n_s, across_n_s, across_counted_n_s;
   Wide3 twist_turn_a, twist_turn_b;
-  Wide twist_mass, twist, twist_counted, twist_radius_m, twist_per_m;  // the last: 1 / radius; 0: no twist
-  Wide twist_along, twist_across;                                      // change of slip per unit twist
-  Wide slide_mass;                                                     // as ManifoldRows::slide_mass
+  Wide twist_mass, twist, twist_counted, twist_radius_m;
   Wide friction, push_speed_m_s;
 };
 
@@ -289,7 +287,7 @@ void ContactLanes::read_manifolds() {
       batch.turns[lane] = manifold.turns ? -1 : 0;
       batch.along_n_s[lane] = tangent.dot(manifold.friction_impulse_n_s);
       batch.across_n_s[lane] = bitangent.dot(manifold.friction_impulse_n_s);
-      batch.twist[lane] = manifold.twist_radius_m > 0.0 ? manifold.twist_impulse : 0.0;
+      batch.twist[lane] = manifold.twist_impulse;
       batch.twist_radius_m[lane] = manifold.twist_radius_m;
       batch.friction[lane] = manifold.friction;
       batch.push_speed_m_s[lane] = manifold.push_speed_m_s;
@@ -469,15 +467,8 @@ void ContactLanes::prepare() {
     batch.mass_yy = inverse * xx;
     batch.twist_turn_a = a.inertia * batch.normal;
     batch.twist_turn_b = b.inertia * batch.normal;
-    const Wide turning = dot(batch.normal, batch.twist_turn_a) + dot(batch.normal, batch.twist_turn_b);
-    batch.twist_per_m = inverse_or_zero(batch.twist_radius_m);
-    batch.twist_mass = batch.twist_radius_m > 0.0 ? inverse_or_zero(turning) : all(0.0);
-    batch.twist_along =
-        dot(batch.along.lever_a, batch.twist_turn_a) + dot(batch.along.lever_b, batch.twist_turn_b);
-    batch.twist_across =
-        dot(batch.across.lever_a, batch.twist_turn_a) + dot(batch.across.lever_b, batch.twist_turn_b);
-    batch.slide_mass =
-        kSlideStep * inverse_or_zero(xx + yy + batch.twist_radius_m * batch.twist_radius_m * turning);
+    batch.twist_mass =
+        inverse_or_zero(dot(batch.normal, batch.twist_turn_a) + dot(batch.normal, batch.twist_turn_b));
   }
 }
 
@@ -521,35 +512,20 @@ void ContactLanes::sweep(ContactPhase phase) {
     for (int p = 0; p < batch.points; ++p) pressed += batch.point[p].impulse_n_s;
     const Wide limit = batch.friction * pressed;
 
-    // As solve_friction.
     const Wide spin = dot(batch.normal, a.spin - b.spin);
-    const Wide stopping = -batch.twist_mass * spin;
-    apply_twist(a, b, batch.twist_turn_a, batch.twist_turn_b, stopping);
-    Wide slip_x = speed_along(a, b, batch.tangent, batch.along);
-    Wide slip_y = speed_along(a, b, batch.bitangent, batch.across);
+    const Wide twist_limit = limit * batch.twist_radius_m;
+    const Wide twist = larger(smaller(batch.twist - batch.twist_mass * spin, twist_limit), -twist_limit);
+    apply_twist(a, b, batch.twist_turn_a, batch.twist_turn_b, twist - batch.twist);
+    batch.twist = twist;
+
+    const Wide slip_x = speed_along(a, b, batch.tangent, batch.along);
+    const Wide slip_y = speed_along(a, b, batch.bitangent, batch.across);
     Wide x = batch.along_n_s - (batch.mass_xx * slip_x + batch.mass_xy * slip_y);
     Wide y = batch.across_n_s - (batch.mass_xy * slip_x + batch.mass_yy * slip_y);
-    Wide stopped = batch.twist + stopping, turn = batch.twist_per_m * stopped;
-    const WideMask slides = x * x + y * y + turn * turn > limit * limit;
-    if (any(slides)) {
-      slip_x -= stopping * batch.twist_along;
-      slip_y -= stopping * batch.twist_across;
-      const Wide around = batch.twist_radius_m * spin;
-      const Wide slip_4 = squared(slip_x * slip_x + slip_y * slip_y), around_4 = squared(around * around);
-      const Wide weight = (slip_4 + 2.0 * around_4) * inverse_or_zero(2.0 * slip_4 + around_4);
-      x = slides ? batch.along_n_s - batch.slide_mass * slip_x : x;
-      y = slides ? batch.across_n_s - batch.slide_mass * slip_y : y;
-      turn = slides ? batch.twist_per_m * batch.twist - batch.slide_mass * weight * around : turn;
-      const Wide length = root(x * x + y * y + turn * turn);
-      const Wide part = length > limit ? limit / length : all(1.0);
-      x = part * x;
-      y = part * y;
-      turn = part * turn;
-      const Wide twist = turn * batch.twist_radius_m;
-      apply_twist(a, b, batch.twist_turn_a, batch.twist_turn_b, slides ? twist - stopped : all(0.0));
-      stopped = slides ? twist : stopped;
-    }
-    batch.twist = stopped;
+    const Wide length = root(x * x + y * y);
+    const Wide part = length > limit ? limit / length : all(1.0);
+    x *= part;
+    y *= part;
     apply(a, b, batch.tangent, batch.along, x - batch.along_n_s);
     apply(a, b, batch.bitangent, batch.across, y - batch.across_n_s);
     batch.along_n_s = x;

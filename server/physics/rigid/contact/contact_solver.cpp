@@ -126,10 +126,7 @@ ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold) {
     rows.twist_turn_b = b->inverse_inertia * manifold.normal;
     response += manifold.normal.dot(rows.twist_turn_b);
   }
-  const double radius_m = manifold.twist_radius_m;
-  rows.twist_mass = response > 0.0 && radius_m > 0.0 ? 1.0 / response : 0.0;
-  const double bound = k.trace() + radius_m * radius_m * response;
-  rows.slide_mass = bound > 0.0 ? kSlideStep / bound : 0.0;
+  rows.twist_mass = response > 0.0 ? 1.0 / response : 0.0;
   return rows;
 }
 
@@ -148,37 +145,24 @@ void scale_impulses(ContactManifold& manifold, double factor) {
 void solve_friction(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows) {
   const double limit = manifold.friction * total_impulse(manifold);
 
-  const double radius_m = manifold.twist_radius_m, per_m = radius_m > 0.0 ? 1.0 / radius_m : 0.0;
   double spin = manifold.normal.dot(a.angular_velocity_rad_s);
   if (manifold.other) spin -= manifold.normal.dot(manifold.other->angular_velocity_rad_s);
-  const auto slip = [&] {
-    return Eigen::Vector2d(speed_along(a, manifold.other, rows.tangent),
-                           speed_along(a, manifold.other, rows.bitangent));
-  };
+  const double twist_limit = limit * manifold.twist_radius_m;
+  const double wanted_twist =
+      std::clamp(manifold.twist_impulse - rows.twist_mass * spin, -twist_limit, twist_limit);
+  apply_twist(a, manifold, rows, wanted_twist - manifold.twist_impulse);
+  manifold.twist_impulse = wanted_twist;
+
   const Eigen::Vector2d before(rows.tangent.direction.dot(manifold.friction_impulse_n_s),
                                rows.bitangent.direction.dot(manifold.friction_impulse_n_s));
-  const Eigen::Vector2d slip_before = slip();
-  // What stops slip and spin, if it is within the limit.
-  double twist = manifold.twist_impulse - rows.twist_mass * spin;
-  apply_twist(a, manifold, rows, twist - manifold.twist_impulse);
-  const double stopping = twist;
-  Eigen::Vector2d force = before - rows.tangent_mass * slip();
-  if (force.squaredNorm() + std::pow(per_m * twist, 2) > limit * limit) {
-    force = before - rows.slide_mass * slip_before;
-    const double slip_4 = std::pow(slip_before.squaredNorm(), 2), around_4 = std::pow(radius_m * spin, 4);
-    const double both = 2.0 * slip_4 + around_4, weight = both > 0.0 ? (slip_4 + 2.0 * around_4) / both : 0.0;
-    twist = manifold.twist_impulse - rows.slide_mass * weight * radius_m * radius_m * spin;
-    const double length = std::sqrt(force.squaredNorm() + std::pow(per_m * twist, 2));
-    const double part = length > limit ? limit / length : 1.0;
-    force *= part;
-    twist *= part;
-  }
-  if (per_m == 0.0) twist = 0.0;
-  apply(a, manifold.other, rows.tangent, force.x() - before.x());
-  apply(a, manifold.other, rows.bitangent, force.y() - before.y());
-  apply_twist(a, manifold, rows, twist - stopping);
-  manifold.twist_impulse = twist;
-  manifold.friction_impulse_n_s = force.x() * rows.tangent.direction + force.y() * rows.bitangent.direction;
+  const Eigen::Vector2d slip(speed_along(a, manifold.other, rows.tangent),
+                             speed_along(a, manifold.other, rows.bitangent));
+  Eigen::Vector2d wanted = before - rows.tangent_mass * slip;
+  const double length = wanted.norm();
+  if (length > limit) wanted *= limit / length;
+  apply(a, manifold.other, rows.tangent, wanted.x() - before.x());
+  apply(a, manifold.other, rows.bitangent, wanted.y() - before.y());
+  manifold.friction_impulse_n_s = wanted.x() * rows.tangent.direction + wanted.y() * rows.bitangent.direction;
 }
 
 double begin_impact(const RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double step_s,

@@ -42,10 +42,6 @@ struct ContactRow {
   double mass_kg = 0;                // effective mass: impulse per change of speed
 };
 
-// Part of the slip that a sweep removes where friction is at its limit. Below 2, or sliding bodies oscillate;
-// at 1, nested bowls creep for seconds.
-inline constexpr double kSlideStep = 1.5;
-
 // The rows of a manifold.
 struct ManifoldRows {
   std::array<ContactRow, kMaxManifoldPoints> points;
@@ -53,9 +49,6 @@ struct ManifoldRows {
   Eigen::Matrix2d tangent_mass;
   Eigen::Vector3d twist_turn_a, twist_turn_b;
   double twist_mass = 0;
-  // kSlideStep times a mass that is at most the effective one of friction in any direction, with a twist as a
-  // force at the twist radius.
-  double slide_mass = 0;
 };
 // Rows for the current poses. Updates the arms of the manifold.
 ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold);
@@ -66,10 +59,7 @@ double begin_impact(const RigidBody& a, ContactManifold& manifold, const Manifol
                     double passed_on_m_s);
 // One sweep over the marked points. Returns the largest change of speed, m/s.
 double solve_impact(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);
-// Friction only. Force f and twist t at the radius r are within |f|² + (t / r)² <= (friction times normal
-// impulse)², the limit surface of Howe and Cutkosky (1996). On it they oppose slip v and spin w as (v, g r
-// w), with g = (v⁴ + 2 (r w)⁴) / (2 v⁴ + (r w)⁴), within a tenth of the exact value of a ring.
-void solve_friction(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);
+void solve_friction(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);  // friction only
 double total_impulse(const ContactManifold& manifold);
 // Rescales the accumulated impulses, for a next step that is `factor` times as long.
 void scale_impulses(ContactManifold& manifold, double factor);

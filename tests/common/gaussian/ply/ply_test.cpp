@@ -157,11 +157,12 @@ TEST(Ply, ExtensionSelectsTheWriter) {
   for (const auto& [name, format] :
        {std::pair("a.splat", AssetFormat::Splat), std::pair("a.compressed.ply", AssetFormat::CompressedPly),
         std::pair("A.Compressed.PLY", AssetFormat::CompressedPly), std::pair("a.SOG", AssetFormat::Sog),
-        std::pair("a.Spz", AssetFormat::Spz), std::pair("a.PLY", AssetFormat::Ply)}) {
+        std::pair("a.Spz", AssetFormat::Spz), std::pair("a.PLY", AssetFormat::Ply),
+        std::pair("a.glb", AssetFormat::Gltf)}) {
     ASSERT_TRUE(write_asset(folder / name, asset)) << name;
     EXPECT_EQ(read_asset(folder / name)->format, format) << name;
   }
-  EXPECT_EQ(write_asset(folder / "a.glb", asset).error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(write_asset(folder / "a.gltf", asset).error().code, ErrorCode::Unsupported);
   EXPECT_EQ(write_asset(folder / "a", asset).error().code, ErrorCode::Unsupported);
   EXPECT_EQ(write_asset(folder / "c.ply", GaussianAsset{}).error().code, ErrorCode::InvalidArgument);
   EXPECT_NE(read_asset(folder / "absent.ply").error().message.find("absent.ply"), std::string::npos);
