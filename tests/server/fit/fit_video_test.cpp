@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // livegs fit on rendered videos of four soft things with hidden values, each pulled for a quarter of a second
-// and let go, as in the study of LIVE-GS.
+// and let go, as in the study of LIVE-GS. With LIVEGS_FIT_CSV=FILE a row is added for each fit.
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/resource.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/clock.h"
+#include "core/text/format_text.h"
 #include "fit/point_tracks.h"
 #include "gaussian/asset_file.h"
 #include "hidden_motion.h"
@@ -16,6 +20,7 @@
 #include "scratch_folder.h"
 #include "splat/camera_file.h"
 #include "system/support/program.h"
+#include "system/support/results_csv.h"
 
 namespace livegs {
 namespace {
@@ -60,26 +65,48 @@ std::string video_scene(const VideoCase& one, double modulus_pa, double damping)
          one.pull + R"(, "duration_s": 0.25 } } ] })";
 }
 
-// The result of `livegs fit` as JSON, with its text on standard output.
-nlohmann::json fit_values(std::vector<std::string> words, const std::filesystem::path& output) {
+// Processor time of the programs that ended, s.
+double programs_cpu_s() {
+  rusage used{};
+  ::getrusage(RUSAGE_CHILDREN, &used);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+int usable_cores() {
+  cpu_set_t cores;
+  return ::sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 0;
+}
+
+// Runs `livegs fit` and compares its values with the hidden ones. `input`: of the row of results.
+void expect_fit(const VideoCase& one, const char* input, std::vector<std::string> words,
+                const std::filesystem::path& output, double stiffness_bar, double loss_bar) {
   words.insert(words.begin(), {LIVEGS_TOOL, "fit"});
   words.insert(words.end(), {"-o", output.string()});
+  const int64_t begun_ns = now_ns();
+  const double cpu_before_s = programs_cpu_s();
   Program fit(words);
-  EXPECT_EQ(fit.wait(), 0) << fit.err();
+  ASSERT_EQ(fit.wait(), 0) << fit.err();
+  const double wall_s = seconds_from_ns(now_ns() - begun_ns);
   std::puts((fit.err() + fit.out()).c_str());
   nlohmann::json result;
   std::ifstream(output / "fit.json") >> result;
-  return result["values"];
-}
-
-void expect_near(const nlohmann::json& values, const VideoCase& one, double stiffness_bar, double loss_bar) {
-  for (const auto& value : values) {
+  double stiffness_error = NAN, loss_error = NAN;
+  for (const auto& value : result["values"]) {
     const bool stiffness = value["quantity"] == "youngs_modulus_pa";
     const double truth = stiffness ? one.modulus_pa : one.damping, best = value["best"].get<double>();
     EXPECT_NEAR(best / truth, 1.0, stiffness ? stiffness_bar : loss_bar) << value;
+    (stiffness ? stiffness_error : loss_error) = std::abs(best / truth - 1);
     held_ranges += value["low"].get<double>() <= truth && truth <= value["high"].get<double>();
     ++all_ranges;
   }
+  EXPECT_TRUE(std::isfinite(stiffness_error) && std::isfinite(loss_error)) << result["values"];
+  add_result("LIVEGS_FIT_CSV", "scene,input,seconds,cpu_s,cores,simulations,modulus_error,loss_error",
+             format_text("%s,%s,%.1f,%.1f,%d,%zu,%.4f,%.4f", one.name, input, wall_s,
+                         programs_cpu_s() - cpu_before_s, usable_cores(), result["simulations"].get<size_t>(),
+                         stiffness_error, loss_error));
 }
 
 class FitVideo : public testing::TestWithParam<VideoCase> {};
@@ -100,10 +127,9 @@ TEST_P(FitVideo, GivesTheHiddenStiffnessAndLoss) {
                    "-i", in + "film/frame_*.png", "-c:v", "libx264", "-crf", "14", "-pix_fmt", "yuv420p",
                    in + "film.mp4"});
   ASSERT_EQ(encoded.wait(), 0) << encoded.err();
-  expect_near(
-      fit_values({in + "guess.scene.json", "--video", in + "film.mp4", "--camera", in + "camera.json"},
-                 folder / "fit"),
-      one, 0.15, 0.25);
+  expect_fit(one, "video",
+             {in + "guess.scene.json", "--video", in + "film.mp4", "--camera", in + "camera.json"},
+             folder / "fit", 0.15, 0.25);
 
   // Paths with an error of a pixel, one in twenty wrong, by a camera whose focal length is 2 % wrong.
   auto camera = read_camera_file(folder / "camera.json");
@@ -118,10 +144,9 @@ TEST_P(FitVideo, GivesTheHiddenStiffnessAndLoss) {
   camera->focal_x_px *= 1.02;
   camera->focal_y_px *= 1.02;
   ASSERT_TRUE(write_camera_file(folder / "wrong_camera.json", *camera));
-  expect_near(fit_values({in + "guess.scene.json", "--tracks", in + "noisy.csv", "--camera",
-                          in + "wrong_camera.json"},
-                         folder / "noisy"),
-              one, 0.25, 0.25);
+  expect_fit(one, "noisy paths",
+             {in + "guess.scene.json", "--tracks", in + "noisy.csv", "--camera", in + "wrong_camera.json"},
+             folder / "noisy", 0.25, 0.25);
 }
 
 INSTANTIATE_TEST_SUITE_P(Things, FitVideo, testing::ValuesIn(kVideoCases),
