@@ -222,6 +222,7 @@ Eigen::AlignedBox3d ObjectPanel::bounds_of(const StreamedObject& object) const {
 
 PartsPanel ObjectPanel::division_of(const StreamedObject& object) const {
   PartsPanel panel;
+  panel.object = object.name;
   const MaterialParts parts = parts_of(object);
   for (const v1::MaterialPart& part : parts) {
     const Eigen::Vector3f rgb = part_rgb(panel.parts.size());
@@ -262,7 +263,6 @@ std::vector<Eigen::AlignedBox3d> ObjectPanel::marked_boxes(const Objects& object
 
 std::optional<ObjectCall> ObjectPanel::edit_parts(const PartEdit& edit, const StreamedObject& object) {
   using Kind = PartEdit::Kind;
-  part_ = edit.part;
   if (edit.kind == Kind::Estimate) {
     part_ = 0;
     sent_.reset();
@@ -305,9 +305,9 @@ std::optional<ObjectCall> ObjectPanel::edit_parts(const PartEdit& edit, const St
   return call;
 }
 
-void ObjectPanel::await_reply() {
-  messages_[selected_].clear();
-  waiting_ = "Changing " + selected_;
+void ObjectPanel::await_reply(const std::string& object) {
+  messages_[object].clear();
+  waiting_ = "Changing " + object;
   ++answers_missing_;
 }
 
@@ -335,7 +335,7 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     const std::vector<SliderParameter> fields = slider_parameters(object->physics);
     const auto set = [&](v1::Physics physics) {
       calls.push_back(SetPhysicsCall{selected_, std::move(physics)});
-      await_reply();
+      await_reply(selected_);
     };
     if (actions.released && actions.released->row < fields.size()) {
       const SliderParameter field = fields[actions.released->row];
@@ -350,24 +350,18 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     }
     if (actions.estimated && *actions.estimated < fields.size()) {
       calls.push_back(RestoreEstimateCall{selected_, fields_of(fields[*actions.estimated])});
-      await_reply();
+      await_reply(selected_);
     }
     if (actions.fragile) set(edit_of_fragile(*actions.fragile));
     if (const std::string proposal = open_proposal(*object);
         (actions.accept || actions.decline) && !proposal.empty()) {
       answered_[selected_] = proposal;
       calls.push_back(AcceptProposalCall{selected_, !actions.accept});
-      await_reply();
+      await_reply(selected_);
     }
     if (edits_parts_ && rest_bounds_ && bounds_of(*object).isEmpty())
       bounds_m_[object->id] = rest_bounds_(*object);
     if (actions.part_selected) part_ = *actions.part_selected;
-    if (actions.part_edit) {
-      if (auto call = edit_parts(*actions.part_edit, *object)) {
-        calls.push_back(*std::move(call));
-        await_reply();
-      }
-    }
     if (actions.undo || actions.redo) {
       calls.push_back(UndoPhysicsCall{selected_, actions.redo});
       sent_.reset();
@@ -375,6 +369,13 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
       ++answers_missing_;
     }
     if (actions.analyse) calls.push_back(AnalyzeCall{{selected_}});
+  }
+  const StreamedObject* divided = actions.part_edit ? named(objects, actions.part_edit->object) : nullptr;
+  if (divided) {
+    if (auto call = edit_parts(*actions.part_edit, *divided)) {
+      calls.push_back(*std::move(call));
+      await_reply(divided->name);
+    }
   }
   if (actions.analyse_all) calls.push_back(AnalyzeCall{});
   if (actions.analyse || actions.analyse_all) progress_ = "Analysing";

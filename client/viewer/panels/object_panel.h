@@ -56,7 +56,8 @@ class ObjectPanel {
   // Bounds of an object in its own frame at rest, metres; empty while they are unknown.
   using RestBounds = std::function<Eigen::AlignedBox3d(const StreamedObject&)>;
 
-  // `rest_bounds` is called once an object whose parts are edited; null: parts cannot be added.
+  // `rest_bounds` is called once an object whose parts are edited, and again after forget_bounds(); null:
+  // parts cannot be added.
   explicit ObjectPanel(RestBounds rest_bounds = nullptr) : rest_bounds_(std::move(rest_bounds)) {}
 
   ObjectsPanel shown(const Objects& objects) const;
@@ -68,6 +69,8 @@ class ObjectPanel {
   // Boxes of the part that is edited, in the rest frame of the selected object and within its bounds; empty:
   // none are to be drawn.
   std::vector<Eigen::AlignedBox3d> marked_boxes(const Objects& objects) const;
+
+  void forget_bounds(uint32_t object) { bounds_m_.erase(object); }  // its kernels have changed
 
   void select(const std::string& name);
   const std::string& selected() const { return selected_; }
@@ -84,7 +87,7 @@ class ObjectPanel {
   PartsPanel division_of(const StreamedObject& object) const;
   Eigen::AlignedBox3d bounds_of(const StreamedObject& object) const;
   std::optional<ObjectCall> edit_parts(const PartEdit& edit, const StreamedObject& object);
-  void await_reply();
+  void await_reply(const std::string& object);
   void refuse(const std::string& object, const std::string& why);
   std::string open_proposal(
       const StreamedObject& object) const;  // in words; empty when there is none to answer

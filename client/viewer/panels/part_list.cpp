@@ -25,9 +25,11 @@ v1::MaterialPart::Box upper_half(const Eigen::AlignedBox3d& body_m) {
 }  // namespace
 
 PartList::PartList(MaterialParts parts) : parts_(std::move(parts)) {
-  for (v1::MaterialPart& part : parts_) {
-    part.clear_density_kg_m3();
-    if (part.name().empty()) part.set_name(unused_name());
+  for (auto part = parts_.begin(); part != parts_.end(); ++part) {
+    part->clear_density_kg_m3();
+    const bool taken = std::any_of(parts_.begin(), part,
+                                   [&](const auto& earlier) { return earlier.name() == part->name(); });
+    if (part->name().empty() || taken) part->set_name(unused_name());
   }
 }
 

@@ -12,7 +12,8 @@ namespace livegs {
 // in proportion. Indices that do not exist are ignored. The server checks the rest.
 class PartList {
  public:
-  // Drops the densities, which follow from the body, and names parts that have no name.
+  // Drops the densities, which follow from the body, and names parts that have no name or that of an earlier
+  // one.
   explicit PartList(MaterialParts parts);
   const MaterialParts& parts() const { return parts_; }
   bool operator==(const PartList& other) const;

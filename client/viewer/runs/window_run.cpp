@@ -147,8 +147,14 @@ Result<void> WindowRun::poll_updates() {
     study_.follow(object);
     objects_[object.id] = std::move(object);
   }
-  for (const uint32_t id : update->removed) objects_.erase(id);
-  for (const uint32_t id : update->refined) study_.find_kernels_again(id);
+  for (const uint32_t id : update->removed) {
+    objects_.erase(id);
+    panel_.forget_bounds(id);
+  }
+  for (const uint32_t id : update->refined) {
+    study_.find_kernels_again(id);
+    panel_.forget_bounds(id);
+  }
   notice_.take(*update, client_);
   study_.take_frames();
   if (update->server_restarted) playout_.reset();

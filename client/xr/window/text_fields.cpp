@@ -50,7 +50,7 @@ std::optional<std::array<double, 3>> TextFields::numbers(const char* id, const s
   for (size_t axis = 0; axis < 3; ++axis) {
     if (axis > 0) ImGui::SameLine();
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), format, std::abs(values[axis]) < 5e-4 ? 0.0 : values[axis]);
+    std::snprintf(text.data(), text.size(), format, std::abs(values[axis]) < 5e-5 ? 0.0 : values[axis]);
     ImGui::SetNextItemWidth(width);
     double value = 0;
     const std::string own = id + std::string(1, static_cast<char>('x' + axis));

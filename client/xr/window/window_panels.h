@@ -34,6 +34,7 @@ struct PartsPanel {
     std::array<float, 3> rgb{};  // 0 to 1, display-encoded
     std::vector<Box> boxes;
   };
+  std::string object;       // name
   std::vector<Part> parts;  // empty: of one material
   size_t selected = 0;      // whose boxes are drawn and edited
   bool edited = false;      // set by hand, so that they can go back to the estimate
@@ -165,10 +166,11 @@ struct SceneActions {
   std::optional<std::array<float, 3>> background;
 };
 
-// One finished edit of the parts of the selected object.
+// One finished edit of the parts of an object, which may no longer be the selected one.
 struct PartEdit {
   enum class Kind { Name, Material, Share, Add, Remove, AddBox, RemoveBox, MoveBox, Estimate };
   Kind kind = Kind::Name;
+  std::string object;  // name
   size_t part = 0, box = 0;
   std::string text;  // Name, Material
   double share = 0;  // Share

@@ -64,7 +64,7 @@ class WindowPanelClicks : public WindowClicks {
   }
   void open(const std::string& name, const Eigen::Vector3d& point_m) {
     click_thing(name, point_m);
-    step("the panel of " + name, [this](const Image& shown) { return button_rows(shown) > 0; });
+    step("the panel of " + name, [](const Image& shown) { return button_rows(shown) > 0; });
     move(600, 30);  // no mark on the pointer
     pictures(3);    // the panel adapts to its content within one picture
   }

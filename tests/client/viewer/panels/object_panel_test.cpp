@@ -125,6 +125,7 @@ PanelActions part_action(PartEdit::Kind kind, size_t part, const std::string& te
   actions.parts_open = true;
   actions.part_edit.emplace();
   actions.part_edit->kind = kind;
+  actions.part_edit->object = "pillow";
   actions.part_edit->part = part;
   actions.part_edit->text = text;
   return actions;
@@ -160,6 +161,23 @@ class ObjectPanelParts : public ::testing::Test {
   ObjectPanel::Objects objects_ = pillow_and_room();
   ObjectPanel panel_{[this](const StreamedObject&) { return body_; }};
 };
+
+// A text may be finished by selecting another object, or a field of another part.
+TEST_F(ObjectPanelParts, AnEditIsOfItsOwnObjectAndPart) {
+  answer(sent(part_action(Kind::Add, 0)));
+  PanelActions other;
+  other.part_selected = 1;
+  EXPECT_TRUE(panel_.act(other, objects_).empty());
+  answer(sent(part_action(Kind::Name, 0, "cover")));
+  EXPECT_EQ(shown().selected, 1u);
+  panel_.select("room");
+  const auto calls = panel_.act(part_action(Kind::Name, 0, "seam"), objects_);
+  ASSERT_EQ(calls.size(), 1u);
+  const auto* set = std::get_if<SetPhysicsCall>(&calls[0]);
+  ASSERT_TRUE(set);
+  EXPECT_EQ(set->object, "pillow");
+  EXPECT_EQ(set->physics.parts(0).name(), "seam");
+}
 
 TEST_F(ObjectPanelParts, ObjectIsDividedAndItsPartsAreEditedByOneCallEach) {
   EXPECT_TRUE(shown().parts.empty());
