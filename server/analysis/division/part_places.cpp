@@ -44,21 +44,6 @@ Result<void> check_name(const MaterialParts& parts, int i, const std::string& fi
   return {};
 }
 
-// Of several parts without boxes in a divided object, only the first can have a point.
-Result<void> check_rest(const MaterialParts& parts) {
-  const PartPlaces places(parts);
-  if (!places.divided()) return {};
-  const auto rest = static_cast<int>(places.rest());
-  for (int i = rest + 1; i < parts.size(); ++i) {
-    if (!parts[rest].boxes().empty() || !parts[i].boxes().empty()) continue;
-    return invalid_argument(format_text("parts[%d].boxes: are missing, but ", i) + "\"" +
-                            shown_text(parts[rest].name(), 60) +
-                            "\" has all points outside the boxes; give \"" + shown_text(parts[i].name(), 60) +
-                            "\" a box or remove it");
-  }
-  return {};
-}
-
 }  // namespace
 
 void set_boxes(std::span<const Eigen::AlignedBox3d> boxes, v1::MaterialPart& part) {
@@ -120,7 +105,7 @@ Result<void> check_parts(const MaterialParts& parts) {
   }
   if (std::abs(sum - 1) > kShareSlack)
     return invalid_argument(format_text("parts: the mass shares sum to %g; they must sum to 1", sum));
-  return check_rest(parts);
+  return {};
 }
 
 }  // namespace livegs

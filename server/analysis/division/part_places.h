@@ -21,7 +21,7 @@ void scale_parts(double factor, MaterialParts& parts);
 // One line: "pot of terracotta, 40 % of the mass, 1900 kg/m3, 2 boxes"; what is unknown is left out.
 std::string part_line(const v1::MaterialPart& part);
 // Checks names, materials, shares, limits and boxes that a person or an author wrote. The error begins with
-// "parts[0].mass_share" or the like. Whether boxes are within the body is known when it is built.
+// "parts[0].mass_share" or the like. Parts that get no place are known when the body is built.
 Result<void> check_parts(const MaterialParts& parts);
 
 }  // namespace livegs

@@ -457,7 +457,9 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
         }
       }
       body.properties = properties_of(*built.cut_mesh, material.fill, *parameters, part_warnings);
-      if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
+      // A ball turns about its middle; a sphere of several parts does not, and takes its mesh.
+      if (shape && object.shape().has_sphere() && !PartPlaces(parameters->parts()).divided())
+        body.sphere_radius_m = object.shape().sphere().radius_m();
       if (shape && !material.fragile) body.round = round_shape(object.shape());
       body.material = material;
       body.friction_boxes = part_friction(*parameters);

@@ -62,16 +62,19 @@ double friction_factor(const v1::PhysicalParameters& parameters, size_t part) {
   return own && row && own->friction > 0 ? row->friction / own->friction : 1.0;
 }
 
-// Lines for the parts with boxes that have no extent: the boxes are outside the body, or in later ones.
+// Lines for the parts that have no extent: their boxes are outside the body or in later ones, or they have
+// none and an earlier part has the rest. The rest itself may be empty.
 std::vector<std::string> without_material(const MaterialParts& parts, const std::vector<double>& extents) {
   std::vector<std::string> lines;
+  const size_t rest = PartPlaces(parts).rest();
   for (size_t i = 0; i < extents.size(); ++i) {
     const v1::MaterialPart& part = parts[static_cast<int>(i)];
-    if (extents[i] > 0 || part.boxes().empty()) continue;
-    lines.push_back(
-        "part \"" + shown_text(part.name(), 60) +
-        "\" has no material in its boxes, and its mass goes to the others; move the boxes into the "
-        "object and out of later ones, or remove the part");
+    if (extents[i] > 0 || (i == rest && part.boxes().empty())) continue;
+    lines.push_back("part \"" + shown_text(part.name(), 60) +
+                    (part.boxes().empty()
+                         ? "\" has no box, and its mass goes to the others; give it a box, or remove the part"
+                         : "\" has no material in its boxes, and its mass goes to the others; move the boxes "
+                           "into the object and out of later ones, or remove the part"));
   }
   return lines;
 }

@@ -43,9 +43,6 @@ TEST(CheckParts, RefusesOddPartsWithTheFieldAndARemedy) {
        "parts[0].boxes[0]: min_m is not below max_m; swap them"},
       {[](MaterialParts& parts) { parts[0].mutable_boxes(0)->mutable_max_m()->RemoveLast(); },
        "parts[0].boxes[0].max_m: must be three numbers between -10000 and 10000"},
-      {[](MaterialParts& parts) { parts[0].clear_boxes(); },
-       "parts[2].boxes: are missing, but \"pot\" has all points outside the boxes; give \"leaves\" a box or "
-       "remove it"},
       {[](MaterialParts& parts) { parts[1].set_material("unobtainium"); },
        "parts[1].material: \"unobtainium\" is not in the table; give a name of materials.csv"},
       {[](MaterialParts& parts) { parts[1].set_mass_share(0.9); },
@@ -60,9 +57,11 @@ TEST(CheckParts, RefusesOddPartsWithTheFieldAndARemedy) {
   }
 }
 
-// Without any box the object is homogeneous, and all parts may be without one.
+// Without any box the object is homogeneous. Parts are placed one after the other.
 TEST(CheckParts, AcceptsPartsWithoutPlaces) {
   MaterialParts parts = plant_parts();
+  parts[0].clear_boxes();
+  EXPECT_TRUE(check_parts(parts));
   for (v1::MaterialPart& part : parts) part.clear_boxes();
   EXPECT_TRUE(check_parts(parts));
 }

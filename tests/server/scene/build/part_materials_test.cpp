@@ -153,6 +153,36 @@ TEST(PartMaterials, FrictionIsThatOfTheMaterialsInProportion) {
   EXPECT_TRUE(part_friction(parameters).empty());
 }
 
+// Of several parts without boxes the first has the rest; the others are named.
+TEST(PartMaterials, PartWithoutAPlaceIsNamed) {
+  v1::PhysicalParameters parameters = bar_parts();
+  *parameters.add_parts() = parameters.parts(1);
+  parameters.mutable_parts(1)->set_mass_share(0.1);
+  parameters.mutable_parts(2)->set_mass_share(0.1);
+  parameters.mutable_parts(2)->set_name("grip");
+  const TriangleMesh bar = box_mesh(Vector3d(1, 0.1, 0.1));
+  MassProperties properties = solid_mass_properties(bar);
+  const auto lines = weigh_parts(bar, false, parameters, properties);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0],
+            "part \"grip\" has no box, and its mass goes to the others; give it a box, or remove the part");
+}
+
+// The contact surface of a sphere with a heavy half stays about the middle of the sphere, not its centre of
+// mass.
+TEST(PartMaterials, SphereOfTwoHalvesKeepsItsSurface) {
+  v1::Object object;
+  object.set_name("ball");
+  object.mutable_shape()->mutable_sphere()->set_radius_m(0.1);
+  object.mutable_physics()->set_behavior(v1::Physics::RIGID);
+  *object.mutable_physics()->mutable_parts() = bar_parts().parts();
+  const auto made = build_object(object, "", 0, "objects[0]", WorldSettings(), ObjectSidecar());
+  ASSERT_TRUE(made) << made.error().message;
+  const auto& body = std::get<RigidBodyDescription>(made->body);
+  EXPECT_GT(body.properties.centre_of_mass_m.x(), 0.01);
+  EXPECT_EQ(body.sphere_radius_m, 0);
+}
+
 class BuiltPartsTest : public ::testing::Test {
  protected:
   BuiltObject built(const CompositeObject& object, const std::string& behavior = "RIGID") {
