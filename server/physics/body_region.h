@@ -52,8 +52,8 @@ struct RegionMaterial {
   std::optional<double> plasticity;
   std::optional<double> friction;  // of the surface, 0 … kMaxFriction
   // Factors on the body's own modulus, density and friction where the region has none: they follow a change
-  // of the body's material. Positive. Densities by factors are scaled together, so that they keep the body's
-  // mass.
+  // of the body's material. Above 0; that of friction may be 0. Densities by factors are scaled together, so
+  // that they keep the body's mass.
   double youngs_modulus_factor = 1.0, density_factor = 1.0, friction_factor = 1.0;
 };
 

@@ -126,6 +126,7 @@ Result<std::vector<std::byte>> join_glb(std::string_view json, std::span<const s
 }
 
 Result<std::vector<std::byte>> encode_glb(const GaussianAsset& asset, const AssetFrame& frame) {
+  if (asset.size() == 0) return invalid_argument("glb: cannot write an asset without kernels");
   GltfBuffer buffer;
   std::set<std::string> used;
   auto primitive = gltf_splat_primitive(asset, false, buffer, used);

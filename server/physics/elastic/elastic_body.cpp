@@ -101,11 +101,13 @@ Result<void> check_motion(const ElasticBodyDescription& d) {
       return not_physical(d, "region " + region.name + " is not finite; check its box and traction");
     }
     if (!region.material) continue;
-    const double own = region.material->friction.value_or(0.0), factor = region.material->friction_factor;
-    if (!(own >= 0.0 && own <= kMaxFriction && factor >= 0.0 && factor <= kMaxFrictionFactor)) {
-      return not_physical(d, "region " + region.name + ": friction is " + number(own) + ", or " +
-                                 number(factor) + " times that of the body; it must be 0 to 2");
-    }
+    if (const double own = region.material->friction.value_or(0.0); !(own >= 0.0 && own <= kMaxFriction))
+      return not_physical(d,
+                          "region " + region.name + ": friction is " + number(own) + "; it must be 0 to 2");
+    if (const double factor = region.material->friction_factor;
+        !(factor >= 0.0 && factor <= kMaxFrictionFactor))
+      return not_physical(
+          d, "region " + region.name + ": friction_factor is " + number(factor) + "; it must be 0 to 1000");
   }
   if (!(d.cell_width_m >= 0.0) || !std::isfinite(d.cell_width_m)) {
     return not_physical(d, "cell_width_m is " + number(d.cell_width_m) + "; it must be 0 (chosen) or above");

@@ -105,6 +105,7 @@ TEST(RoundTrip, SogStaysWithinItsSteps) {
 }
 
 TEST(RoundTrip, GlbIsExactToRounding) {
+  EXPECT_EQ(encode_glb(GaussianAsset{}).error().code, ErrorCode::InvalidArgument);
   for (int degree = 0; degree <= 3; ++degree) {
     GaussianAsset asset = synthetic_asset(300, degree, 50);
     asset.antialiased = degree == 3;

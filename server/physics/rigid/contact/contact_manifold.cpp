@@ -110,11 +110,12 @@ void set_friction(const RigidBody& body, const ContactPair& pair, ContactManifol
   const int count = manifold.point_count;
   const bool even = !body.friction.boxes && !(pair.other && pair.other->friction.boxes);
   std::array<double, kMaxManifoldPoints> frictions, weights;
-  double weight = 0.0;
+  double weight = 0.0, sum = 0.0;
   for (int i = 0; i < count; ++i) {
     frictions[i] = even ? 1.0 : friction_at(body, pair, manifold.points[i].arm_a_m);
     weights[i] = manifold.points[i].impulse_n_s;
     weight += weights[i];
+    sum += frictions[i];
   }
   if (weight <= 0.0) {
     weights.fill(1.0);
@@ -134,7 +135,8 @@ void set_friction(const RigidBody& body, const ContactPair& pair, ContactManifol
   manifold.arm_body_m = body.world_from_body.orientation.conjugate() * manifold.arm_a_m;
   manifold.twist_radius_m = 0.0;
   for (int i = 0; i < count; ++i) {
-    manifold.twist_radius_m += (manifold.points[i].arm_a_m - manifold.arm_a_m).norm() / count;
+    manifold.twist_radius_m +=
+        (manifold.points[i].arm_a_m - manifold.arm_a_m).norm() * frictions[i] / (sum > 0.0 ? sum : 1.0);
   }
 }
 

@@ -47,13 +47,13 @@ struct ContactManifold {
 
   bool turns = false;  // whether all points do
 
-  // Friction acts at the centre of pressure, towards points of more friction, in the plane of the mean
+  // Friction acts at the mean of the points, weighted by impulse and friction, in the plane of the mean
   // normal, with a torsional part about it.
   Eigen::Vector3d normal;
   Eigen::Vector3d arm_a_m, arm_body_m;
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
   double twist_impulse = 0;   // N m s
-  double twist_radius_m = 0;  // mean distance of the points from the centre of pressure
+  double twist_radius_m = 0;  // mean distance of the points from there, weighted by friction
 
   Eigen::Vector3d arm_b_m;
   // State at detection, valid while the bodies do not move relative to each other (reuse_manifold).

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // node compare_assets.mjs REFERENCE.csv FILE.csv...: compares kernels that another program has read from our files
-// (splat-transform of PlayCanvas, as .csv) with those of the .ply they were converted from. Formats have their own order,
-// so each column is compared in ascending order: no entry may differ by more than the step of its format. Turns are
-// compared by the covariances. FILE names its format: sog.csv.
+// (splat-transform of PlayCanvas, as .csv) with those that it has read from the asset they were converted from. Formats
+// have their own order, so each column is compared in ascending order: no entry may differ by more than the step of its
+// format. Turns are compared by the covariances. FILE names its format: sog.csv.
 import fs from 'node:fs';
 import path from 'node:path';
 
