@@ -185,6 +185,8 @@ class ElasticBody {
   // - begin_step: everything except contact
   // - prepare_contact_step, one body after the other
   // - list_contacts: contact with moving bodies; bodies may run on different threads
+  // - list_other_contacts: the contacts that depend on those which other bodies listed; likewise
+  // - separate, one body after the other
   // - read_contact_impulses
   // - end_step: contact with colliders, then the update of positions and velocities
   virtual int begin_substep(const SubstepContext& context) = 0;
@@ -193,7 +195,16 @@ class ElasticBody {
   virtual void prepare_contact_step(double step_s) { (void)step_s; }
   virtual void list_contacts(const SubstepPart& part, const SubstepContext& context,
                              std::vector<ContactConstraint>& rows) = 0;
-  // Receives the rows that this body listed, after the solve. Called between list_contacts and end_step.
+  virtual void list_other_contacts(const SubstepPart& part, const SubstepContext& context,
+                                   std::vector<ContactConstraint>& rows) {
+    (void)part, (void)context, (void)rows;
+  }
+  // Removes the rows with bodies on which this body is stuck, and pulls it away from them.
+  virtual void separate(const SubstepPart& part, const SubstepContext& context,
+                        std::vector<ContactConstraint>& rows) {
+    (void)part, (void)context, (void)rows;
+  }
+  // Receives the rows that this body listed, after the solve. Called between separate and end_step.
   virtual void read_contact_impulses(std::span<const ContactConstraint> rows) { (void)rows; }
   virtual void end_step(const SubstepPart& part, const SubstepContext& context) = 0;
   virtual void end_substep(const SubstepContext& context) = 0;

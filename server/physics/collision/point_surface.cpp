@@ -18,6 +18,9 @@ constexpr double kSameFaceCosine = 0.5;  // minimum cosine between normals of on
 // Maximum concavity of an edge that counts as convex, relative to the reach.
 constexpr double kMaxHollow = 1e-3;
 constexpr double kFacingCosine = -0.3;  // maximum cosine between normals of opposite faces
+constexpr double kSurroundingCosine =
+    0.7;                             // minimum cosine between the normals of a point and of its surrounding
+constexpr double kSamePlace = 0.07;  // distance of elements at a point itself, relative to the reach
 // Maximum number of samples along a path. Longer paths are sampled more coarsely.
 constexpr int kMaxProbes = 64;
 
@@ -54,41 +57,73 @@ PointSurface::PointSurface(const std::vector<SurfaceElement>& elements, double r
   for (uint32_t i = 0; i < elements.size(); ++i) sorted_[next[cell_of(elements[i].position_m)]++] = i;
 }
 
-std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
-                                                std::span<const SurfaceElement> own) const {
-  if (elements_.empty()) return std::nullopt;
+template <class Visit>
+void PointSurface::visit_near(const Vector3d& point_m, const Visit& visit) const {
+  if (elements_.empty()) return;
   const Vector3d low = (point_m - low_m_).array() - reach_m_, high = (point_m - low_m_).array() + reach_m_;
   const Eigen::Array3i first = (low / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().max(0);
   const Eigen::Array3i last =
       (high / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().min(counts_.array() - 1);
-  std::array<uint32_t, kMaxNeighbours> near;
-  std::array<double, kMaxNeighbours> squares;
-  int count = 0, nearest = -1;
-  double least = reach_m_ * reach_m_;
   for (int z = first.z(); z <= last.z(); ++z) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
         const int cell = x + counts_.x() * (y + counts_.y() * z);
         for (uint32_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
-          const SurfaceElement& element = elements_[sorted_[k]];
-          const double square = (element.position_m - point_m).squaredNorm();
-          if (square >= reach_m_ * reach_m_) continue;
-          if (count < kMaxNeighbours) {
-            near[count] = sorted_[k];
-            squares[count] = square;
-            if (square < least) {
-              least = square;
-              nearest = count;
-            }
-            ++count;
-          } else if (square < least) {
-            near[nearest] = sorted_[k];
-            squares[nearest] = least = square;
-          }
+          const double square = (elements_[sorted_[k]].position_m - point_m).squaredNorm();
+          if (square < reach_m_ * reach_m_) visit(sorted_[k], square);
         }
       }
     }
   }
+}
+
+std::optional<std::array<uint32_t, 4>> PointSurface::surrounding(const Vector3d& point_m,
+                                                                 const Vector3d& normal) const {
+  const Vector3d tangent = normal.unitOrthogonal(), bitangent = normal.cross(tangent);
+  const double same_place = kSamePlace * reach_m_;
+  std::array<uint32_t, 4> nearest;
+  std::array<double, 4> squares;
+  squares.fill(INFINITY);
+  visit_near(point_m, [&](uint32_t i, double square) {
+    const SurfaceElement& element = elements_[i];
+    if (element.normal.dot(normal) < kSurroundingCosine) return;
+    const Vector3d to = element.position_m - point_m;
+    const double x = to.dot(tangent), y = to.dot(bitangent);
+    const bool same = x * x + y * y < same_place * same_place;
+    for (int quadrant = 0; quadrant < 4; ++quadrant) {
+      const bool inside = ((x >= 0.0) == (quadrant % 2 == 0)) && ((y >= 0.0) == (quadrant / 2 == 0));
+      if ((same || inside) && square < squares[quadrant]) {
+        squares[quadrant] = square;
+        nearest[quadrant] = i;
+      }
+    }
+  });
+  for (const double square : squares) {
+    if (square == INFINITY) return std::nullopt;
+  }
+  return nearest;
+}
+
+std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
+                                                std::span<const SurfaceElement> own) const {
+  std::array<uint32_t, kMaxNeighbours> near;
+  std::array<double, kMaxNeighbours> squares;
+  int count = 0, nearest = -1;
+  double least = reach_m_ * reach_m_;
+  visit_near(point_m, [&](uint32_t i, double square) {
+    if (count < kMaxNeighbours) {
+      near[count] = i;
+      squares[count] = square;
+      if (square < least) {
+        least = square;
+        nearest = count;
+      }
+      ++count;
+    } else if (square < least) {
+      near[nearest] = i;
+      squares[nearest] = least = square;
+    }
+  });
   if (nearest < 0) return std::nullopt;
   const SurfaceElement& first_lead = elements_[near[nearest]];
   if (first_lead.normal.squaredNorm() < 0.5) {  // balls: only the nearest counts

@@ -34,6 +34,14 @@ struct AnchorNodes {
   Eigen::Vector3d base_m = Eigen::Vector3d::Zero();
 };
 
+// The impulse of a row on one of its sides.
+struct ContactImpulse {
+  Eigen::Vector3d point_m;      // world
+  Eigen::Vector3d impulse_n_s;  // normal and friction
+  Eigen::Vector3d push_n_s;     // normal part
+  uint64_t from_body_id = 0;    // of the other side
+};
+
 class ContactParticipant {
  public:
   virtual ~ContactParticipant() = default;
@@ -51,8 +59,7 @@ class ContactParticipant {
   virtual void apply_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m,
                              const Eigen::Vector3d& impulse_n_s) = 0;
   // Called once per row and step with the total impulse.
-  virtual void record_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m,
-                              const Eigen::Vector3d& impulse_n_s) = 0;
+  virtual void record_impulse(const ContactAnchor& anchor, const ContactImpulse& impulse) = 0;
 };
 
 // Maximum separation speed of overlaps that exist at the start of a step, m/s. A larger value resolves deep
@@ -69,8 +76,9 @@ struct ContactConstraint {
   double gap_m = 0.0;       // at the end of the step without contact impulses; negative: overlap
   double friction = 0.0;
   double push_m_s = kContactPushSpeed_m_s;  // maximum separation speed of an initial overlap
-  uint64_t other_body_id = 0;   // id of the opposite body, as seen by the body that listed the row
-  RigidProxy* rigid = nullptr;  // b, if it is a rigid body
+  uint64_t body_id = 0;                     // of a, the body that listed the row
+  uint64_t other_body_id = 0;               // of b
+  RigidProxy* rigid = nullptr;              // b, if it is a rigid body
   uint32_t point = UINT32_MAX;  // of the body that listed the row; UINT32_MAX: a point of the other body
 
   // Before the solve: that of the last step, from which the solve starts. After it: of this step.

@@ -69,10 +69,10 @@ void RigidProxy::turn(const Vector3d& couple) {
   orientation_lag_rad += began_s * turned;
 }
 
-void RigidProxy::record_impulse(const ContactAnchor&, const Vector3d& point_m, const Vector3d& impulse) {
-  const double size = impulse.norm();
+void RigidProxy::record_impulse(const ContactAnchor&, const ContactImpulse& impulse) {
+  const double size = impulse.impulse_n_s.norm();
   contact_impulse_n_s += size;
-  contact_moment += size * point_m;
+  contact_moment += size * impulse.point_m;
   step_impulse_n_s += size * (began_s + step_s) / (step_s * elapsed_fraction);
 }
 

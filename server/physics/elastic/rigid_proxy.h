@@ -59,8 +59,7 @@ struct RigidProxy final : ContactParticipant {
   Eigen::Vector3d displacement_m(const ContactAnchor& anchor) const override;
   void apply_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m,
                      const Eigen::Vector3d& impulse_n_s) override;
-  void record_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m,
-                      const Eigen::Vector3d& impulse_n_s) override;
+  void record_impulse(const ContactAnchor& anchor, const ContactImpulse& impulse) override;
 };
 
 // Gap and surface normal at the end of a point's motion from `from_m` to `to_m`, body frame of a moving body.

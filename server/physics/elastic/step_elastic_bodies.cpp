@@ -57,6 +57,12 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
     }
     for_each_body(
         [&](SteppedBody& stepped) { stepped.body->list_contacts(part, stepped.context, *stepped.rows); });
+    for_each_body([&](SteppedBody& stepped) {
+      stepped.body->list_other_contacts(part, stepped.context, *stepped.rows);
+    });
+    for (SteppedBody& stepped : bodies) {
+      if (stepped.steps > 0) stepped.body->separate(part, stepped.context, *stepped.rows);
+    }
     rows.clear();
     for (const SteppedBody& stepped : bodies) {
       for (ContactConstraint& row : *stepped.rows) rows.push_back(&row);

@@ -49,6 +49,10 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void prepare_contact_step(double step_s) override;
   void list_contacts(const SubstepPart& part, const SubstepContext& context,
                      std::vector<ContactConstraint>& rows) override;
+  void list_other_contacts(const SubstepPart& part, const SubstepContext& context,
+                           std::vector<ContactConstraint>& rows) override;
+  void separate(const SubstepPart& part, const SubstepContext& context,
+                std::vector<ContactConstraint>& rows) override;
   void read_contact_impulses(std::span<const ContactConstraint> rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
   void end_substep(const SubstepContext& context) override;
@@ -210,15 +214,19 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void collide_rigid_points(RigidProxy& body, ContactParticipant& participant,
                             std::vector<ContactConstraint>& rows);
   void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
-  void collide_surface_with_elastic(const ElasticNeighbour& neighbour, double h,
+  bool lists_first(const CellsBody& other) const;
+  void remove_redundant(const CellsBody& other, const ElasticContacts& first,
+                        ElasticContacts& contacts) const;
+  const ElasticContacts* contacts_listed_with(const CellsBody& other) const;
+  void list_pairs(bool first, double h, const SubstepContext& context, std::vector<ContactConstraint>& rows);
+  void collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
                                     std::vector<ContactConstraint>& rows);
   void start_from_last_force(ContactConstraint& row) const;
   // cells_stuck_contacts.cpp
   StuckContact& stuck_contact(uint64_t body_id);
   bool is_separating() const;  // from any body
   void update_stuck_contacts(double frame_s);
-  void separate(const SubstepPart& part, const SubstepContext& context, size_t begin,
-                std::vector<ContactConstraint>& rows);
+  void record_push(const ContactImpulse& impulse);
   // cells_rolling_resistance.cpp: on colliders, by colliders_.contacts from `first_contact` on; then on
   // bodies.
   void apply_rolling_resistance(size_t first_contact, double step_s);

@@ -3,6 +3,9 @@
 // sweep, in both directions: surface points of this body against the other's surface, and contact points of a
 // rigid body against this body's surface. The second direction detects corners, rods and small balls between
 // surface points. Of two elastic bodies, each contributes its own points.
+//
+// Contacts of the second direction that lie within the hull of those of the first are redundant and left out:
+// they have no degrees of freedom of their own, so that sweeps converge slowly with them.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -29,6 +32,8 @@ constexpr double kElasticCandidateRoom = 0.25;
 constexpr double kRowMargin = 0.02;
 // Interaction range of a surface element, in particle edges.
 constexpr double kElementReach = 1.5;
+// Distance within which contacts surround another, in spacings of their points: 1.41 on a square grid.
+constexpr double kSurroundingReach = 1.5;
 // Distance of the samples of a rigid body's normal cone, in spacings of its contact points.
 constexpr double kNormalConeStep = 0.02;
 // Maximum penetration (in particle edges) that is corrected on folded sheets. Elements of a folded surface
@@ -83,10 +88,12 @@ class CellsBody::Participant final : public ContactParticipant {
   void apply_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     body_.push_anchor(anchor, point, impulse);
   }
-  void record_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
-    body_.record_contact_impulse(point, impulse.norm());
+  void record_impulse(const ContactAnchor& anchor, const ContactImpulse& of) override {
+    const Vector3d& impulse = of.impulse_n_s;
+    body_.record_contact_impulse(of.point_m, impulse.norm());
+    body_.record_push(of);
     body_.limiter_.work_j += impulse.dot(displacement_m(anchor)) / step_s;
-    if (!body_.step_.in_step) return body_.settle_anchor(anchor, point, impulse);
+    if (!body_.step_.in_step) return body_.settle_anchor(anchor, of.point_m, impulse);
     body_.bodies_.contacts.push_back({anchor.sample, impulse});
     body_.step_.touching = true;
   }
@@ -307,6 +314,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
       row.gap_m = found.distance_m;
       row.friction =
           mixed_friction(friction_at(i), body.friction_at(frame.from_world * (point - frame.at_m)));
+      row.body_id = body_id_of(object_id_);
       row.other_body_id = body.body_id;
       row.point = i;
       start_from_last_force(row);
@@ -346,6 +354,11 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const PointSurface grid(elements, reach + radius);
+  std::vector<SurfaceElement> listed;  // rows of this body's points with the rigid one
+  for (uint32_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].rigid == &body) listed.push_back({rows[i].point_m, rows[i].normal, 0.0, i});
+  }
+  const PointSurface first(listed, kSurroundingReach * extent_.box_edge_m);
   // Thin bodies only: both sides of a sheet are within reach of a point, and the sheet can fold. On thick
   // blocks, one-sided contact or remaining overlaps would keep piles awake.
   const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
@@ -361,6 +374,11 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
       if (!depth) continue;
     }
     const double gap = depth->distance_m - radius;
+    if (const auto around = first.surrounding(point, -depth->normal)) {
+      double lowest_m = INFINITY;
+      for (const uint32_t k : *around) lowest_m = std::min(lowest_m, rows[listed[k].index].gap_m);
+      if (gap >= lowest_m - kRowMargin * extent_.box_edge_m) continue;
+    }
     ContactConstraint row;
     if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kMaxFoldedPenetration * extent_.box_edge_m), 0.0, 1.0);
     row.a = &participant;
@@ -371,9 +389,25 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
     row.normal = -depth->normal;
     row.gap_m = gap;
     row.friction = mixed_friction(friction_at(depth->element), body.friction_at(local));
+    row.body_id = body_id_of(object_id_);
     row.other_body_id = body.body_id;
     rows.push_back(row);
   }
+}
+
+// Of two bodies, the one with finer points lists its contacts first.
+bool CellsBody::lists_first(const CellsBody& other) const {
+  if (extent_.box_edge_m != other.extent_.box_edge_m) return extent_.box_edge_m < other.extent_.box_edge_m;
+  return object_id_ < other.object_id_;
+}
+
+// Contacts with `other` in this step; null if there are none, as of a sleeping body.
+const CellsBody::ElasticContacts* CellsBody::contacts_listed_with(const CellsBody& other) const {
+  for (const ElasticContacts& contacts : bodies_.elastic) {
+    if (contacts.body_id == body_id_of(other.object_id_))
+      return contacts.listed_step == bodies_.step ? &contacts : nullptr;
+  }
+  return nullptr;
 }
 
 // Surface points of this body against another elastic body, within the margin of relative motion.
@@ -381,6 +415,7 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
   contacts.margin_m = kElasticCandidateRoom * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
   contacts.own_restarts = bodies_.restarts;
   contacts.other_restarts = other.bodies_.restarts;
+  ++contacts.finds;
   contacts.points.clear();
   const double reach = other.element_reach_m();
   const Vector3d displacement = h * (ledger_.motion.velocity_m_s() - other.velocity_m_s());
@@ -415,18 +450,39 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
   }
 }
 
-void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& neighbour, double h,
+// Removes contacts of this body within the hull of those of `other`. A point between four contacts of one
+// face is as far from the surface as these, unless the face is curved or bent there.
+void CellsBody::remove_redundant(const CellsBody& other, const ElasticContacts& first,
+                                 ElasticContacts& contacts) const {
+  std::vector<SurfaceElement> elements;
+  for (const ElasticContacts::Point& touch : first.points)
+    elements.push_back({other.place_now_m(touch.own), touch.normal, 0.0, 0});
+  const PointSurface of_first(elements, kSurroundingReach * other.extent_.box_edge_m);
+  std::erase_if(contacts.points, [&](const ElasticContacts::Point& touch) {
+    const Vector3d place = place_now_m(touch.own);
+    const auto surrounding = of_first.surrounding(place, -touch.normal);
+    if (!surrounding) return false;
+    double lowest_m = INFINITY;
+    for (const uint32_t k : *surrounding) {
+      const ElasticContacts::Point& one = first.points[k];
+      lowest_m = std::min(lowest_m, one.normal.dot(other.place_now_m(one.own) - place_now_m(one.other)));
+    }
+    const double gap_m = touch.normal.dot(place - other.place_now_m(touch.other));
+    return gap_m >= lowest_m - kRowMargin * extent_.box_edge_m;
+  });
+}
+
+void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
                                              std::vector<ContactConstraint>& rows) {
-  auto& other = static_cast<CellsBody&>(*neighbour.body);  // of the same solver
-  auto found = std::find_if(bodies_.elastic.begin(), bodies_.elastic.end(),
-                            [&](const ElasticContacts& known) { return known.body_id == neighbour.body_id; });
-  if (found == bodies_.elastic.end())
-    found = bodies_.elastic.insert(bodies_.elastic.end(), {.body_id = neighbour.body_id, .points = {}});
-  ElasticContacts& contacts = *found;
+  const ElasticContacts* first = lists_first(other) ? nullptr : other.contacts_listed_with(*this);
   contacts.margin_m -= 1.5 * h * (max_node_speed_m_s() + other.max_node_speed_m_s());
+  const int finds_of_first = first ? first->finds : 0;
   if (contacts.margin_m <= 0.0 || contacts.own_restarts != bodies_.restarts ||
-      contacts.other_restarts != other.bodies_.restarts)
+      contacts.other_restarts != other.bodies_.restarts || contacts.other_finds != finds_of_first) {
     find_elastic_contacts(other, h, contacts);
+    if (first) remove_redundant(other, *first, contacts);
+    contacts.other_finds = finds_of_first;
+  }
   for (const ElasticContacts::Point& touch : contacts.points) {
     const Vector3d position = origin_m_ + nodes_.corrected_m(touch.own);
     const double gap_m = touch.normal.dot(position - other.place_now_m(touch.other));
@@ -440,7 +496,8 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& neighbour, 
     row.normal = touch.normal;
     row.gap_m = gap_m;
     row.friction = mixed_friction(friction_at(touch.point), other.friction_at(touch.other_point));
-    row.other_body_id = neighbour.body_id;
+    row.body_id = body_id_of(object_id_);
+    row.other_body_id = contacts.body_id;
     row.point = touch.point;
     start_from_last_force(row);
     rows.push_back(row);
@@ -478,7 +535,6 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   }
   bodies_.rigid_margin_m -= 1.5 * part.duration_s * (max_node_speed_m_s() + fastest);
   if (bodies_.rigid_margin_m <= 0.0 || !same) find_rigid_candidates(context);
-  const size_t begin = rows.size();
   collide_surface_with_rigid(participant, context, rows);
   for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
   // The motion of a body that is not near is not counted: its contacts are found again when it returns.
@@ -488,10 +544,31 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
     });
   });
   for (const ElasticNeighbour& other : context.others) {
-    if (!other.body->is_separating(body_id_of(object_id_)))
-      collide_surface_with_elastic(other, part.duration_s, rows);
+    if (!other.body->is_separating(body_id_of(object_id_)) &&
+        std::none_of(bodies_.elastic.begin(), bodies_.elastic.end(),
+                     [&](const ElasticContacts& known) { return known.body_id == other.body_id; }))
+      bodies_.elastic.push_back({.body_id = other.body_id, .points = {}});
   }
-  if (is_separating()) separate(part, context, begin, rows);
+  list_pairs(true, part.duration_s, context, rows);
+}
+
+void CellsBody::list_other_contacts(const SubstepPart& part, const SubstepContext& context,
+                                    std::vector<ContactConstraint>& rows) {
+  list_pairs(false, part.duration_s, context, rows);
+}
+
+// Contacts with the elastic bodies before which this one lists them, or after which.
+void CellsBody::list_pairs(bool first, double h, const SubstepContext& context,
+                           std::vector<ContactConstraint>& rows) {
+  for (const ElasticNeighbour& neighbour : context.others) {
+    auto& other = static_cast<CellsBody&>(*neighbour.body);  // of the same solver
+    if (lists_first(other) != first) continue;
+    for (ElasticContacts& contacts : bodies_.elastic) {
+      if (contacts.body_id != neighbour.body_id) continue;
+      collide_surface_with_elastic(other, h, contacts, rows);
+      contacts.listed_step = bodies_.step;
+    }
+  }
 }
 
 }  // namespace livegs

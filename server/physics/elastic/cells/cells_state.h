@@ -191,6 +191,8 @@ struct ElasticContacts {
   uint64_t body_id = 0;
   double margin_m = 0.0;  // relative motion until they are found again
   int own_restarts = 0, other_restarts = 0;
+  int finds = 0, other_finds = 0;  // of these, and of those of the body that lists first
+  uint64_t listed_step = 0;        // BodyContacts::step
   struct Point {
     uint32_t point, other_point;  // surface points
     NodeSample own, other;        // material points that touch
@@ -224,7 +226,7 @@ struct BodyContacts {
   std::vector<ElasticContacts> elastic;
   int restarts = 0;                    // of the motion; contacts found before are void
   std::vector<LastForce> last_forces;  // by surface point
-  uint64_t step = 0;                   // steps that listed contacts
+  uint64_t step = 0;                   // steps in which contacts could be listed
   double step_s = 0.0;
   std::vector<DynamicContact> contacts;  // of this step
   std::vector<StuckContact> stuck;       // ascending id

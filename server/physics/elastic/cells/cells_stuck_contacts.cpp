@@ -54,17 +54,17 @@ void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
                                       (row.friction_impulse_n_s / bodies_.step_s).cast<float>(),
                                       static_cast<float>(row.normal_impulse_n_s / bodies_.step_s)};
   }
+}
+
+void CellsBody::record_push(const ContactImpulse& impulse) {
   if (step_.bent_squared <= kStuckStrainSquared) return;
-  StuckContact* last = nullptr;
-  for (const ContactConstraint& row : rows) {
-    if (!(row.normal_impulse_n_s > 0.0)) continue;
-    if (!last || last->body_id != row.other_body_id) last = &stuck_contact(row.other_body_id);
-    last->pushed_n_s += row.normal_impulse_n_s;
-    const Vector3d push = row.normal_impulse_n_s * row.normal, point = row.point_m - origin_m_;
-    last->net_n_s += push;
-    last->moment += row.normal_impulse_n_s * point;
-    last->apart += push.dot(point);
-  }
+  StuckContact& from = stuck_contact(impulse.from_body_id);
+  const double size = impulse.push_n_s.norm();
+  const Vector3d point = impulse.point_m - origin_m_;
+  from.pushed_n_s += size;
+  from.net_n_s += impulse.push_n_s;
+  from.moment += size * point;
+  from.apart += impulse.push_n_s.dot(point);
 }
 
 // Runs once per frame.
@@ -115,17 +115,13 @@ void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s
   }
 }
 
-// Removes the rows from `begin` on that belong to separating bodies, and pulls this body away from them.
-void CellsBody::separate(const SubstepPart& part, const SubstepContext& context, size_t begin,
+void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
                          std::vector<ContactConstraint>& rows) {
-  const auto listed = rows.begin() + static_cast<std::ptrdiff_t>(begin);
-  for (auto row = listed; row != rows.end(); ++row) {
-    if (row->gap_m < 0.0 && is_separating(row->other_body_id))
-      stuck_contact(row->other_body_id).overlaps = true;
+  if (!is_separating()) return;
+  for (const ContactConstraint& row : rows) {
+    if (row.gap_m < 0.0 && is_separating(row.other_body_id)) stuck_contact(row.other_body_id).overlaps = true;
   }
-  rows.erase(std::remove_if(listed, rows.end(),
-                            [&](const ContactConstraint& row) { return is_separating(row.other_body_id); }),
-             rows.end());
+  std::erase_if(rows, [&](const ContactConstraint& row) { return is_separating(row.other_body_id); });
 
   const Vector3d centre = centre_m();
   const double speed_m_s = reach_m_ / kSeparationTime_s, most_m_s = kMaxSeparation_m_s2 * part.duration_s;
@@ -150,7 +146,7 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
     apply_uniform_impulse(given, part.duration_s);
     const ContactAnchor anchor = body->anchor_at(centre);
     body->apply_impulse(anchor, centre, -given);
-    body->record_impulse(anchor, centre, -given);
+    body->record_impulse(anchor, {centre, -given, -given, body_id_of(object_id_)});
   }
   for (const ElasticNeighbour& other : context.others) {
     if (!is_separating(other.body_id) || !stuck_contact(other.body_id).overlaps) continue;

@@ -46,8 +46,8 @@ class LivegsV1Body::Participant final : public ContactParticipant {
     if (!body_.in_step_) return body_.push_particle(particle_of(anchor), impulse);
     body_.predicted_m_[particle_of(anchor)] += step_s * body_.mobility(particle_of(anchor)) * impulse;
   }
-  void record_impulse(const ContactAnchor&, const Vector3d& point, const Vector3d& impulse) override {
-    body_.record_contact_impulse(point, impulse.norm());
+  void record_impulse(const ContactAnchor&, const ContactImpulse& impulse) override {
+    body_.record_contact_impulse(impulse.point_m, impulse.impulse_n_s.norm());
     body_.touching_ = true;
   }
 

@@ -66,6 +66,29 @@ TEST(SoftScenes, OffCentreCubeStaysOnTheOther) {
   }
 }
 
+// A block on another stands if its centre of mass lies above it, and falls if not, whichever of the two lists
+// its contacts first.
+TEST(SoftScenes, BlockStandsUpToTheEdgeOfAnother) {
+  for (const double spacing_of_upper_m : {0.0125, 0.025}) {
+    for (const double overhang_m : {0.045, 0.055}) {
+      World world = world_with(ElasticSolver::Cells, 90.0);
+      world.add_collider(floor_plane(0.6));
+      ElasticBodyDescription lower = soft_block(1, {0.1, 0.1, 0.1}, 1.0, 1e6, 0.0125);
+      lower.world_from_object.position_m.y() = 0.05;
+      ASSERT_TRUE(world.add_elastic(lower));
+      ElasticBodyDescription upper = soft_block(2, {0.1, 0.05, 0.1}, 0.5, 1e6, spacing_of_upper_m);
+      upper.world_from_object.position_m = {overhang_m, 0.125, 0.0};
+      ASSERT_TRUE(world.add_elastic(upper));
+      run_seconds(world, 4.0);
+      const double height_m = world.elastic_body(2)->centre_m().y();
+      if (overhang_m < 0.05)
+        EXPECT_GT(height_m, 0.12) << spacing_of_upper_m;
+      else
+        EXPECT_LT(height_m, 0.1) << spacing_of_upper_m;
+    }
+  }
+}
+
 // The amplitude of a spring with a loss factor eta falls to exp(-pi eta / 2) in half a cycle, at any load.
 TEST(SoftScenes, LossFactorIsIndependentOfLoad) {
   for (const double loss_factor : {0.1, 0.3}) {
