@@ -119,6 +119,8 @@ class CellsBody final : public ElasticBody, public FlatBody {
   using ColliderContact = cells::ColliderContact;
   using DynamicContact = cells::DynamicContact;
   using ElasticContacts = cells::ElasticContacts;
+  using RigidContacts = cells::RigidContacts;
+  using NearSurface = cells::NearSurface;
   using StuckContact = cells::StuckContact;
   using LastForce = cells::LastForce;
   using StepGains = cells::Gains::OfStep;
@@ -207,11 +209,17 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const;
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   bool may_touch_awake(const SubstepContext& context) const;
-  double max_node_speed_m_s() const;  // bound for nearly all nodes
+  // Bounds for nearly all nodes; the first relative to the centre of mass.
+  double node_speed_m_s() const;
+  double max_node_speed_m_s() const;
   void find_rigid_candidates(const SubstepContext& context);
+  std::vector<char> update_rigid_contacts(const SubstepPart& part, const SubstepContext& context);
   void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
+                                  std::span<std::optional<NearSurface>> near,
                                   std::vector<ContactConstraint>& rows);
-  void collide_rigid_points(RigidProxy& body, ContactParticipant& participant,
+  void find_rigid_contacts(RigidProxy& body, const NearSurface& surface, RigidContacts& contacts);
+  bool folds_on(const RigidProxy& body) const;
+  void collide_rigid_points(RigidProxy& body, const RigidContacts& contacts, ContactParticipant& participant,
                             std::vector<ContactConstraint>& rows);
   void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
   bool lists_first(const CellsBody& other) const;

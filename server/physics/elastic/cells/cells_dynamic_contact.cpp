@@ -24,9 +24,9 @@ using Eigen::Vector3d;
 
 // Minimum margin of the candidate search, in cell widths, as for colliders.
 constexpr double kCandidateRoom = 0.5;
-// Relative motion, in particle edges, after which the contacts of two elastic bodies are found again. Until
-// then their material points and normals are kept.
-constexpr double kElasticCandidateRoom = 0.25;
+// Relative motion, in particle edges, after which the contacts with a body are found again. Until then their
+// material points and normals are kept.
+constexpr double kCandidateMargin = 0.25;
 // Maximum gap of a contact row, in particle edges. Open gaps are included because a neighbouring impulse can
 // close them.
 constexpr double kRowMargin = 0.02;
@@ -267,12 +267,43 @@ void CellsBody::find_rigid_candidates(const SubstepContext& context) {
   }
 }
 
+double CellsBody::node_speed_m_s() const { return reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s; }
+
 double CellsBody::max_node_speed_m_s() const {
-  return ledger_.motion.velocity_m_s().norm() + reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s;
+  return ledger_.motion.velocity_m_s().norm() + node_speed_m_s();
 }
 
-// Surface points of this body against rigid bodies.
+// The contacts of rigid bodies that are near, in the order of context.bodies. Returns whether they must be
+// found again, by body.
+std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, const SubstepContext& context) {
+  std::vector<RigidContacts> kept;
+  std::vector<char> stale;
+  for (const RigidProxy* body : context.bodies) {
+    const auto known = std::find_if(bodies_.rigid.begin(), bodies_.rigid.end(),
+                                    [&](const RigidContacts& one) { return one.body_id == body->body_id; });
+    kept.push_back(known != bodies_.rigid.end() ? std::move(*known) : RigidContacts{body->body_id});
+    RigidContacts& contacts = kept.back();
+    // What the last steps did not know of, such as an impact between substeps or a reset.
+    const double jump_m = (body->before.position_m - contacts.last.position_m).norm(),
+                 turned = body->before.orientation.angularDistance(contacts.last.orientation);
+    const double turning_m_s = body->fastest_m_s() - body->velocity_m_s.norm();
+    const Vector3d relative_m_s = ledger_.motion.velocity_m_s() - body->velocity_m_s;
+    contacts.margin_m -= 1.5 * part.duration_s * (relative_m_s.norm() + node_speed_m_s() + turning_m_s) +
+                         jump_m + turned * body->shape->bounding_radius_m;
+    contacts.last = body->at_end();
+    // The point of a ball is no material point: it moves over the surface as the ball rolls. With a normal
+    // that lags, balls roll out of their pits.
+    stale.push_back(body->shape->is_ball() || !(contacts.margin_m > 0.0) ||
+                    contacts.own_restarts != bodies_.restarts);
+  }
+  bodies_.rigid = std::move(kept);
+  return stale;
+}
+
+// Surface points of this body against rigid bodies. Those near a body with a place in `near` are listed there
+// as well.
 void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
+                                           std::span<std::optional<NearSurface>> near,
                                            std::vector<ContactConstraint>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
@@ -303,6 +334,11 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
         point = nodes_.corrected_m(sample);
         found = gap();
       }
+      if (std::optional<NearSurface>& here = near[candidate.collider];
+          here && found.distance_m < (kRowMargin + kCandidateMargin) * extent_.box_edge_m) {
+        here->points.push_back({origin_m_ + point, frame.from_world.transpose() * found.gradient, 0.0, i});
+        here->gaps_m.push_back(found.distance_m);
+      }
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       ContactConstraint row;
       row.a = &participant;
@@ -323,9 +359,12 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
   }
 }
 
-// Contact points of a rigid body against this body's surface; for a ball the deepest point.
-void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& participant,
-                                     std::vector<ContactConstraint>& rows) {
+// Contact points of a rigid body against this body's surface; for a ball the deepest point. `surface` are
+// this body's points near the rigid one, with their gaps.
+void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface, RigidContacts& contacts) {
+  contacts.points.clear();
+  contacts.margin_m = kCandidateMargin * extent_.box_edge_m;
+  contacts.own_restarts = bodies_.restarts;
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
@@ -354,41 +393,55 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const PointSurface grid(elements, reach + radius);
-  std::vector<SurfaceElement> listed;  // rows of this body's points with the rigid one
-  for (uint32_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].rigid == &body) listed.push_back({rows[i].point_m, rows[i].normal, 0.0, i});
-  }
-  const PointSurface first(listed, kSurroundingReach * extent_.box_edge_m);
-  // Thin bodies only: both sides of a sheet are within reach of a point, and the sheet can fold. On thick
-  // blocks, one-sided contact or remaining overlaps would keep piles awake.
-  const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
+  const PointSurface first(surface.points, kSurroundingReach * extent_.box_edge_m);
   std::vector<SurfaceElement> normal_cone;
   for (const auto& [point, displacement, local] : points) {
     auto depth = grid.swept_depth(point, displacement);
-    if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
+    if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m + contacts.margin_m) continue;
     // Without the normal cone, a corner nearer to the far side of a sheet would be pushed through it.
-    if (folds) {
+    if (folds_on(body)) {
       sample_normal_cone(*body.shape, local, kNormalConeStep * body.shape->contact_spacing_m, turn,
                          normal_cone);
       depth = grid.swept_depth(point, displacement, normal_cone);
       if (!depth) continue;
     }
-    const double gap = depth->distance_m - radius;
     if (const auto around = first.surrounding(point, -depth->normal)) {
       double lowest_m = INFINITY;
-      for (const uint32_t k : *around) lowest_m = std::min(lowest_m, rows[listed[k].index].gap_m);
-      if (gap >= lowest_m - kRowMargin * extent_.box_edge_m) continue;
+      for (const uint32_t k : *around) lowest_m = std::min(lowest_m, surface.gaps_m[k]);
+      if (depth->distance_m - radius >= lowest_m - kRowMargin * extent_.box_edge_m) continue;
     }
+    const ContactAnchor anchor = anchor_at(depth->element, point - depth->distance_m * depth->normal);
+    const double offset_m = depth->distance_m - depth->normal.dot(point - place_now_m(anchor.sample));
+    contacts.points.push_back({local, anchor.sample, depth->element, depth->normal, offset_m});
+  }
+}
+
+// Thin bodies only: both sides of a sheet are within reach of a point, and the sheet can fold. On thick
+// blocks, one-sided contact or remaining overlaps would keep piles awake.
+bool CellsBody::folds_on(const RigidProxy& body) const {
+  return !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * element_reach_m();
+}
+
+void CellsBody::collide_rigid_points(RigidProxy& body, const RigidContacts& contacts,
+                                     ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
+  const Pose at = body.at_end();
+  const Matrix3d turn = at.orientation.toRotationMatrix();
+  const double radius = body.shape->sphere_radius_m;
+  const bool folds = folds_on(body);
+  for (const RigidContacts::Point& touch : contacts.points) {
+    const Vector3d point = at.position_m + turn * touch.local_m;
+    const double gap = touch.normal.dot(point - place_now_m(touch.own)) + touch.offset_m - radius;
+    if (gap > kRowMargin * extent_.box_edge_m) continue;
     ContactConstraint row;
     if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kMaxFoldedPenetration * extent_.box_edge_m), 0.0, 1.0);
     row.a = &participant;
     row.b = row.rigid = &body;
-    row.point_m = point - radius * depth->normal;
-    row.anchor_a = anchor_at(depth->element, point - depth->distance_m * depth->normal);
+    row.point_m = point - radius * touch.normal;
+    row.anchor_a.sample = touch.own;
     row.anchor_b = body.anchor_at(row.point_m);
-    row.normal = -depth->normal;
+    row.normal = -touch.normal;
     row.gap_m = gap;
-    row.friction = mixed_friction(friction_at(depth->element), body.friction_at(local));
+    row.friction = mixed_friction(friction_at(touch.element), body.friction_at(touch.local_m));
     row.body_id = body_id_of(object_id_);
     row.other_body_id = body.body_id;
     rows.push_back(row);
@@ -412,7 +465,7 @@ const CellsBody::ElasticContacts* CellsBody::contacts_listed_with(const CellsBod
 
 // Surface points of this body against another elastic body, within the margin of relative motion.
 void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts) {
-  contacts.margin_m = kElasticCandidateRoom * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
+  contacts.margin_m = kCandidateMargin * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
   contacts.own_restarts = bodies_.restarts;
   contacts.other_restarts = other.bodies_.restarts;
   ++contacts.finds;
@@ -475,7 +528,8 @@ void CellsBody::remove_redundant(const CellsBody& other, const ElasticContacts& 
 void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
                                              std::vector<ContactConstraint>& rows) {
   const ElasticContacts* first = lists_first(other) ? nullptr : other.contacts_listed_with(*this);
-  contacts.margin_m -= 1.5 * h * (max_node_speed_m_s() + other.max_node_speed_m_s());
+  const Vector3d relative_m_s = ledger_.motion.velocity_m_s() - other.ledger_.motion.velocity_m_s();
+  contacts.margin_m -= 1.5 * h * (relative_m_s.norm() + node_speed_m_s() + other.node_speed_m_s());
   const int finds_of_first = first ? first->finds : 0;
   if (contacts.margin_m <= 0.0 || contacts.own_restarts != bodies_.restarts ||
       contacts.other_restarts != other.bodies_.restarts || contacts.other_finds != finds_of_first) {
@@ -523,6 +577,7 @@ void CellsBody::start_from_last_force(ContactConstraint& row) const {
 void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context,
                               std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) {
+    bodies_.rigid.clear();
     bodies_.elastic.clear();
     return;
   }
@@ -535,8 +590,16 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   }
   bodies_.rigid_margin_m -= 1.5 * part.duration_s * (max_node_speed_m_s() + fastest);
   if (bodies_.rigid_margin_m <= 0.0 || !same) find_rigid_candidates(context);
-  collide_surface_with_rigid(participant, context, rows);
-  for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
+  const std::vector<char> stale = update_rigid_contacts(part, context);
+  std::vector<std::optional<NearSurface>> near(stale.size());
+  for (size_t k = 0; k < near.size(); ++k) {
+    if (stale[k]) near[k].emplace();
+  }
+  collide_surface_with_rigid(participant, context, near, rows);
+  for (size_t k = 0; k < near.size(); ++k) {
+    if (near[k]) find_rigid_contacts(*context.bodies[k], *near[k], bodies_.rigid[k]);
+    collide_rigid_points(*context.bodies[k], bodies_.rigid[k], participant, rows);
+  }
   // The motion of a body that is not near is not counted: its contacts are found again when it returns.
   std::erase_if(bodies_.elastic, [&](const ElasticContacts& contacts) {
     return std::none_of(context.others.begin(), context.others.end(), [&](const ElasticNeighbour& other) {

@@ -186,6 +186,28 @@ struct DynamicContact {
   Vector3d impulse_n_s;
 };
 
+// Contacts of a rigid body's points with this body's surface, found a few steps ago.
+struct RigidContacts {
+  uint64_t body_id = 0;
+  double margin_m = 0.0;  // relative motion until they are found again
+  int own_restarts = 0;
+  Pose last{};  // of the rigid body after the last step
+  struct Point {
+    Vector3d local_m;  // rigid body's frame
+    NodeSample own;    // material point that touches
+    uint32_t element;  // surface point next to it
+    Vector3d normal;   // outward, of this body
+    double offset_m;   // distance along the normal, less that from `own`
+  };
+  std::vector<Point> points = {};
+};
+
+// Points of the surface near a rigid body, with the normals and gaps towards it.
+struct NearSurface {
+  std::vector<SurfaceElement> points;
+  std::vector<double> gaps_m;
+};
+
 // Contacts of this body's points with another elastic body, found a few steps ago.
 struct ElasticContacts {
   uint64_t body_id = 0;
@@ -223,6 +245,7 @@ struct BodyContacts {
   std::vector<Candidate> rigid_candidates;
   std::vector<uint64_t> rigid_ids;  // ids at the time of the search
   double rigid_margin_m = 0.0;
+  std::vector<RigidContacts> rigid;
   std::vector<ElasticContacts> elastic;
   int restarts = 0;                    // of the motion; contacts found before are void
   std::vector<LastForce> last_forces;  // by surface point
