@@ -27,6 +27,9 @@ constexpr double kCandidateRoom = 0.5;
 // Relative motion, in particle edges, after which the contacts with a body are found again. Until then their
 // material points and normals are kept.
 constexpr double kCandidateMargin = 0.25;
+// The same while nothing can touch: at most the distance in which every point of the other surface has an
+// element within kElementReach.
+constexpr double kApartMargin = 0.75;
 // Maximum gap of a contact row, in particle edges. Open gaps are included because a neighbouring impulse can
 // close them.
 constexpr double kRowMargin = 0.02;
@@ -288,12 +291,13 @@ std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, cons
                  turned = body->before.orientation.angularDistance(contacts.last.orientation);
     const double turning_m_s = body->fastest_m_s() - body->velocity_m_s.norm();
     const Vector3d relative_m_s = ledger_.motion.velocity_m_s() - body->velocity_m_s;
-    contacts.margin_m -= 1.5 * part.duration_s * (relative_m_s.norm() + node_speed_m_s() + turning_m_s) +
-                         jump_m + turned * body->shape->bounding_radius_m;
+    contacts.motion_m = 1.5 * part.duration_s * (relative_m_s.norm() + node_speed_m_s() + turning_m_s) +
+                        jump_m + turned * body->shape->bounding_radius_m;
+    contacts.margin_m -= contacts.motion_m;
     contacts.last = body->at_end();
     // The point of a ball is no material point: it moves over the surface as the ball rolls. With a normal
     // that lags, balls roll out of their pits.
-    stale.push_back(body->shape->is_ball() || !(contacts.margin_m > 0.0) ||
+    stale.push_back((body->shape->is_ball() && !contacts.points.empty()) || !(contacts.margin_m > 0.0) ||
                     contacts.own_restarts != bodies_.restarts);
   }
   bodies_.rigid = std::move(kept);
@@ -316,7 +320,10 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
                       at.orientation.toRotationMatrix().transpose(), before.position_m - origin_m_,
                       at.position_m - origin_m_});
   }
-  for (const Candidate& candidate : bodies_.rigid_candidates) {
+  for (Candidate& candidate : bodies_.rigid_candidates) {
+    candidate.apart_m -= bodies_.rigid[candidate.collider].motion_m;
+    if (candidate.apart_m > 0.0 && !near[candidate.collider]) continue;
+    candidate.apart_m = INFINITY;
     RigidProxy& body = *context.bodies[candidate.collider];
     const Frame& frame = frames[candidate.collider];
     const SurfaceCell& cell = surface_.cells[candidate.cell];
@@ -339,6 +346,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
         here->points.push_back({origin_m_ + point, frame.from_world.transpose() * found.gradient, 0.0, i});
         here->gaps_m.push_back(found.distance_m);
       }
+      candidate.apart_m = std::min(candidate.apart_m, found.distance_m - kRowMargin * extent_.box_edge_m);
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       ContactConstraint row;
       row.a = &participant;
@@ -363,8 +371,9 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
 // this body's points near the rigid one, with their gaps.
 void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface, RigidContacts& contacts) {
   contacts.points.clear();
-  contacts.margin_m = kCandidateMargin * extent_.box_edge_m;
+  contacts.margin_m = kApartMargin * extent_.box_edge_m;
   contacts.own_restarts = bodies_.restarts;
+  const double within_m = (kRowMargin + kCandidateMargin) * extent_.box_edge_m;
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
@@ -388,16 +397,19 @@ void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface
   };
   if (body.shape->is_ball()) offer(Vector3d::Zero());
   for (const Vector3d& point : body.shape->contact_points_m) offer(point);
-  if (points.empty()) return;
   std::vector<SurfaceElement> elements;
-  surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
+  if (!points.empty()) surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const PointSurface grid(elements, reach + radius);
   const PointSurface first(surface.points, kSurroundingReach * extent_.box_edge_m);
   std::vector<SurfaceElement> normal_cone;
   for (const auto& [point, displacement, local] : points) {
     auto depth = grid.swept_depth(point, displacement);
-    if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m + contacts.margin_m) continue;
+    if (!depth) continue;
+    const double gap_m = depth->distance_m - radius;
+    contacts.margin_m = std::min(contacts.margin_m, std::max(gap_m - kRowMargin * extent_.box_edge_m,
+                                                             kCandidateMargin * extent_.box_edge_m));
+    if (gap_m > within_m) continue;
     // Without the normal cone, a corner nearer to the far side of a sheet would be pushed through it.
     if (folds_on(body)) {
       sample_normal_cone(*body.shape, local, kNormalConeStep * body.shape->contact_spacing_m, turn,
@@ -465,7 +477,8 @@ const CellsBody::ElasticContacts* CellsBody::contacts_listed_with(const CellsBod
 
 // Surface points of this body against another elastic body, within the margin of relative motion.
 void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts) {
-  contacts.margin_m = kCandidateMargin * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
+  const double edge_m = std::min(extent_.box_edge_m, other.extent_.box_edge_m);
+  contacts.margin_m = kApartMargin * edge_m;
   contacts.own_restarts = bodies_.restarts;
   contacts.other_restarts = other.bodies_.restarts;
   ++contacts.finds;
@@ -476,11 +489,10 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
   if (!surface_.boxes_known) list_boxes();
   std::vector<SurfaceElement> elements;
   other.surface_elements(AlignedBox3d(surface_.box.min() - room, surface_.box.max() + room), elements);
-  if (elements.empty()) return;
   AlignedBox3d box;
   for (const SurfaceElement& element : elements) box.extend(element.position_m);
   std::vector<SurfaceElement> points;
-  surface_elements(AlignedBox3d(box.min() - room, box.max() + room), points);
+  if (!elements.empty()) surface_elements(AlignedBox3d(box.min() - room, box.max() + room), points);
   if (points.empty()) return;
   const PointSurface grid(elements, reach);
   for (size_t k = 0, end = 0; k < points.size(); k = end) {
@@ -496,7 +508,10 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
       position = origin_m_ + nodes_.corrected_m(sample);
       depth = grid.swept_depth(position, displacement, {&point, end - k});
     }
-    if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m + contacts.margin_m) continue;
+    if (!depth) continue;
+    const double apart_m = depth->distance_m - kRowMargin * extent_.box_edge_m;
+    contacts.margin_m = std::min(contacts.margin_m, std::max(apart_m, kCandidateMargin * edge_m));
+    if (apart_m > kCandidateMargin * edge_m) continue;
     const ContactAnchor anchor =
         other.anchor_at(depth->element, position - depth->distance_m * depth->normal);
     contacts.points.push_back({point.index, depth->element, sample, anchor.sample, depth->normal});
@@ -529,7 +544,8 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
                                              std::vector<ContactConstraint>& rows) {
   const ElasticContacts* first = lists_first(other) ? nullptr : other.contacts_listed_with(*this);
   const Vector3d relative_m_s = ledger_.motion.velocity_m_s() - other.ledger_.motion.velocity_m_s();
-  contacts.margin_m -= 1.5 * h * (relative_m_s.norm() + node_speed_m_s() + other.node_speed_m_s());
+  const double motion_m = 1.5 * h * (relative_m_s.norm() + node_speed_m_s() + other.node_speed_m_s());
+  contacts.margin_m -= motion_m;
   const int finds_of_first = first ? first->finds : 0;
   if (contacts.margin_m <= 0.0 || contacts.own_restarts != bodies_.restarts ||
       contacts.other_restarts != other.bodies_.restarts || contacts.other_finds != finds_of_first) {
@@ -537,10 +553,13 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
     if (first) remove_redundant(other, *first, contacts);
     contacts.other_finds = finds_of_first;
   }
-  for (const ElasticContacts::Point& touch : contacts.points) {
+  for (ElasticContacts::Point& touch : contacts.points) {
+    touch.apart_m -= motion_m;
+    if (touch.apart_m > 0.0) continue;
     const Vector3d position = origin_m_ + nodes_.corrected_m(touch.own);
     const double gap_m = touch.normal.dot(position - other.place_now_m(touch.other));
-    if (gap_m > kRowMargin * extent_.box_edge_m) continue;
+    touch.apart_m = gap_m - kRowMargin * extent_.box_edge_m;
+    if (touch.apart_m > 0.0) continue;
     ContactConstraint row;
     row.a = participant_.get();
     row.b = other.participant_.get();
@@ -561,7 +580,7 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
 void CellsBody::prepare_contact_step(double step_s) {
   if (!participant_) participant_ = std::make_unique<Participant>(*this);
   static_cast<Participant&>(*participant_).step_s = step_.in_step ? step_of(step_s) : step_s;
-  if (!surface_.boxes_known && !frozen()) list_boxes();
+  if ((!surface_.boxes_known || !step_.in_step) && !frozen()) list_boxes();
   ++bodies_.step;
   bodies_.step_s = step_s;
 }

@@ -150,7 +150,8 @@ struct Surface {
   std::vector<Eigen::Vector3f> local;         // local coordinates of the points
   std::vector<uint32_t> face_begins;          // first face of each point, and the end
   std::vector<Eigen::Vector3f> face_normals;  // outward, lattice axes
-  // Boxes of `cells` and of all of them, at the current node positions; valid if boxes_known.
+  // Boxes of `cells` and of all of them; valid if boxes_known: in a step at the node positions before
+  // contact, and these until the next step.
   mutable std::vector<Eigen::AlignedBox3d> cell_boxes;
   mutable Eigen::AlignedBox3d box;
   mutable bool boxes_known = false;
@@ -158,6 +159,7 @@ struct Surface {
 
 struct Candidate {
   uint32_t cell, collider;
+  double apart_m = 0.0;  // relative motion until a point of the cell can touch the body
 };
 
 // The side of a collider that a surface point was on at its last contact.
@@ -190,6 +192,7 @@ struct DynamicContact {
 struct RigidContacts {
   uint64_t body_id = 0;
   double margin_m = 0.0;  // relative motion until they are found again
+  double motion_m = 0.0;  // bound of the relative motion in this step
   int own_restarts = 0;
   Pose last{};  // of the rigid body after the last step
   struct Point {
@@ -219,6 +222,7 @@ struct ElasticContacts {
     uint32_t point, other_point;  // surface points
     NodeSample own, other;        // material points that touch
     Vector3d normal;              // outward, of the other body
+    double apart_m = 0.0;         // relative motion until they can touch
   };
   std::vector<Point> points;
 };

@@ -220,7 +220,6 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   damp_light_nodes(part.duration_s, context.gravity_m_s2);
   step_.first = false;
   step_.in_step = false;
-  surface_.boxes_known = false;  // boxes are also queried between steps
 }
 
 // Estimates the load carried by the body, which lowers its vibration frequencies and increases their energy.
