@@ -6,6 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include "core/parallel_for.h"
+
 namespace livegs {
 namespace {
 
@@ -19,6 +21,7 @@ constexpr double kConvergence = 0.002;
 // Sweeps over the pushing rows alone after each sweep over all. Larger: cheaper sweeps, and rows that close
 // in the meantime are found later.
 constexpr int kPushingSweeps = 4;
+constexpr size_t kRowsPerBlock = 256;  // that a thread prepares at a time
 // Weight of the change of the impulse of a row that pushed in the last step, relative to its response
 // (proximal point iteration, Rockafellar 1976). Rows that share nodes leave parts of their impulses
 // undetermined, which sweeps alone settle slowly. Constant loads are met exactly. 0: twice the sweeps; above
@@ -49,6 +52,11 @@ struct RowNodes {
       high += weights[c + 4] * corrections[nodes[c + 4]];
     }
     return low + high;
+  }
+  double response() const {  // in any direction, m/(N s)
+    float sum = 0.0f;
+    for (int c = 0; c < 8; ++c) sum += weights[c] * pulls[c];
+    return sum;
   }
   void apply(const Float4& impulse_n_s) const {
 #pragma GCC unroll 8
@@ -105,6 +113,16 @@ RowNodes row_nodes(const AnchorNodes& view, const NodeSample& sample) {
   return nodes;
 }
 
+// Displacement of a relative to b per unit impulse, m/(N s).
+Matrix3d response_of(const ContactConstraint& row, const RowNodes& a, const RowNodes& b) {
+  const auto of = [](const RowNodes& nodes, const ContactParticipant& participant,
+                     const ContactAnchor& anchor) {
+    if (!nodes.corrections) return participant.response(anchor);
+    return Matrix3d(nodes.response() * Matrix3d::Identity());
+  };
+  return of(a, *row.a, row.anchor_a) + of(b, *row.b, row.anchor_b);
+}
+
 SolvedRow prepare(ContactConstraint& row, double step_s) {
   SolvedRow solved;
   solved.row = &row;
@@ -113,7 +131,7 @@ SolvedRow prepare(ContactConstraint& row, double step_s) {
   solved.b = row_nodes(b, row.anchor_b.sample);
   solved.base_m = wide(a.base_m - b.base_m);
 
-  const Matrix3d response = row.a->response(row.anchor_a) + row.b->response(row.anchor_b);
+  const Matrix3d response = response_of(row, solved.a, solved.b);
   const double normal_response = row.normal.dot(response * row.normal);
   // Upper bound of the response in any direction of the tangent plane.
   const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
@@ -156,9 +174,10 @@ double solve(SolvedRow& row) {
 }  // namespace
 
 void solve_contacts(std::span<ContactConstraint* const> constraints, double step_s) {
-  std::vector<SolvedRow> all;
-  all.reserve(constraints.size());
-  for (ContactConstraint* row : constraints) all.push_back(prepare(*row, step_s));
+  std::vector<SolvedRow> all(constraints.size());
+  parallel_for(all.size(), kRowsPerBlock, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) all[i] = prepare(*constraints[i], step_s);
+  });
   for (const SolvedRow& row : all) {
     if (row.impulse_n_s != 0.0) row.apply(row.impulse_n_s * row.normal + row.friction_n_s);
   }

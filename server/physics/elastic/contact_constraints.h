@@ -10,7 +10,8 @@
 
 // Contact between elastic bodies during their steps and other moving bodies. Rows with accumulated impulses
 // are solved together by projected Gauss-Seidel (Erleben 2007, Velocity-based shock propagation, section 2),
-// so that all contact points share the load. Double precision; one thread.
+// so that all contact points share the load. Double precision; rows are prepared on several threads and swept
+// on one.
 
 namespace livegs {
 
