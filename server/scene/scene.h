@@ -126,6 +126,7 @@ class Scene {
   void finish_cut(FragileTask& task);
   void apply_fractures();
   void report_recoveries();
+  void report_mass_ratios();  // after a body was added, removed or given another mass
   SceneObject& drawn(uint32_t object_id);
   Result<uint32_t> add_built(BuiltObject& one);  // returns its id
   Result<void> add_environment(const BuiltEnvironment& environment);

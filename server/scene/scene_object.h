@@ -57,6 +57,8 @@ struct SceneObject {
   std::optional<ElasticAccuracy> elastic;         // elastic bodies only, as built or last changed
   std::string surface_note;           // how the surface was repaired or replaced; empty if it was not
   std::vector<std::string> warnings;  // found while it was built
+  // Rigid objects too heavy for a lighter one below; empty: none. Follows later edits of the scene.
+  std::string mass_ratio_warning;
   // Measurements used by the analysis; null for the environment and balls.
   std::shared_ptr<const ObjectFacts> facts;
 

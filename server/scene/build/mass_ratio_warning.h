@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
-#include <span>
+#include <cstdint>
+#include <deque>
+#include <vector>
 
-#include "scene/build/build_object.h"
+#include "livegs/v1/scene.pb.h"
+#include "physics/world.h"
+#include "scene/scene_object.h"
 
 namespace livegs {
 
-// Adds a warning to each rigid object that is so much heavier than the lightest rigid object of the scene
-// that it would sink into it at the substeps of `settings`. Precondition: all results are successes.
-void warn_of_mass_ratios(std::span<std::optional<Result<BuiltObject>>> built, const WorldSettings& settings);
+// Sets SceneObject::mass_ratio_warning of all objects: of each rigid object of the file that would sink into
+// the lightest one that it can rest on, at the substeps of `settings`. Objects joined by one of `joints` do
+// not collide, and nothing rests without gravity. Returns the ids of the objects whose warning changed.
+std::vector<uint32_t> update_mass_ratio_warnings(std::deque<SceneObject>& objects,
+                                                 const google::protobuf::RepeatedPtrField<v1::Joint>& joints,
+                                                 const WorldSettings& settings);
 
 }  // namespace livegs

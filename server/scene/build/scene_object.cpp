@@ -7,6 +7,7 @@ namespace livegs {
 
 std::vector<std::string> SceneObject::all_warnings() const {
   std::vector<std::string> all = warnings;
+  if (!mass_ratio_warning.empty()) all.push_back(mass_ratio_warning);
   if (elastic) {
     for (std::string& clipped : accuracy_warnings(*elastic)) all.push_back(std::move(clipped));
   }

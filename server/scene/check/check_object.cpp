@@ -9,6 +9,7 @@
 #include "analysis/knowledge/tables.h"
 #include "core/text/shown_text.h"
 #include "gaussian/asset_name.h"
+#include "scene/check/check_scene.h"
 #include "scene/values/region_value.h"
 #include "scene/values/scene_values.h"
 
@@ -92,7 +93,7 @@ Result<void> check_resolution(const v1::Object& object, const std::string& field
   if (resolution.has_cell_width_m())
     LIVEGS_CHECK(number_value(resolution.cell_width_m(), 1e-4, 10, field + ".cell_width_m"));
   if (resolution.has_substeps())
-    LIVEGS_CHECK(number_value(resolution.substeps(), 1, 1024, field + ".substeps"));
+    LIVEGS_CHECK(number_value(resolution.substeps(), 1, kMaxSubsteps, field + ".substeps"));
   if (!resolution.has_budget_ms()) return {};
   if (resolution.has_cell_width_m())
     return missing(field + ".budget_ms",

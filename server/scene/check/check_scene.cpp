@@ -142,7 +142,7 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
 Result<void> check_scene(const v1::Scene& scene) {
   LIVEGS_CHECK(vector_value(scene.gravity_m_s2(), Eigen::Vector3d::Zero(), "gravity_m_s2"));
   if (scene.has_rate_hz()) LIVEGS_CHECK(number_value(scene.rate_hz(), 1, 2000, "rate_hz"));
-  if (scene.has_substeps()) LIVEGS_CHECK(number_value(scene.substeps(), 1, 1024, "substeps"));
+  if (scene.has_substeps()) LIVEGS_CHECK(number_value(scene.substeps(), 1, kMaxSubsteps, "substeps"));
   if (scene.has_elastic_budget_ms())
     LIVEGS_CHECK(number_value(scene.elastic_budget_ms(), 0.01, 1000, "elastic_budget_ms"));
   const v1::Environment& environment = scene.environment();

@@ -6,6 +6,9 @@
 
 namespace livegs {
 
+// Most substeps per tick that a scene or an object may ask for.
+inline constexpr int kMaxSubsteps = 1024;
+
 // Checks a scene file without opening its assets: list lengths, ranges, dangling references and duplicate
 // names. The error names the field. Called by Scene::build and by read_scene_file()
 // (run/read_scene_file.cpp); the latter reports JSON and schema errors itself and puts the file name before

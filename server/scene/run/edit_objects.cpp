@@ -120,6 +120,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
     if (!present) return invalid_argument("edit: names no object and has none to add");
     remove_object(present->id);
     file_.mutable_objects()->DeleteSubrange(index, 1);
+    report_mass_ratios();
     wake_unsupported();
     return {};
   }
@@ -179,6 +180,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
     return id.error();
   }
   if (old_id) remove_object(*old_id);
+  report_mass_ratios();
   if (options_.wait_for_pieces && !cutting_.empty() && cutting_.back().object_id() == *id) {
     finish_cut(cutting_.back());
     cutting_.pop_back();

@@ -168,7 +168,6 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   }
 
   share_elastic_budget(built, *settings);
-  warn_of_mass_ratios(built, *settings);
   scene.bounds_m_ = built_bounds(built);
   auto environment = build_environment(options.cache.get(), file.environment(), folder, built);
   if (!environment) return environment.error();
@@ -193,6 +192,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     if (!path) return path.error();
     scene.paths_[static_cast<size_t>(i)] = std::move(*path);
   }
+  scene.report_mass_ratios();
   scene.changes_ = {};
   return scene;
 }
@@ -372,6 +372,15 @@ void Scene::report_recoveries() {
   }
 }
 
+void Scene::report_mass_ratios() {
+  for (const uint32_t id : update_mass_ratio_warnings(objects_, file_.joints(), world_->settings())) {
+    const SceneObject& object = *find(id);
+    changes_.changed.push_back(id);
+    if (!object.mass_ratio_warning.empty())
+      log_warn("%s: %s", object.name.c_str(), object.mass_ratio_warning.c_str());
+  }
+}
+
 void Scene::take_cuts(std::span<const uint32_t> object_ids) {
   for (const uint32_t id : object_ids) {
     for (FragileTask& task : cutting_) {
@@ -417,6 +426,7 @@ Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters phy
   object.physics = std::move(physics);
   object.mass_kg = object.physics.mass_kg().best();
   note_elastic(object);
+  report_mass_ratios();
   if (object.fragility) {
     const Material& material = *world_->material(object.id);
     object.fragility->break_impulse_n_s = material.break_impulse_n_s;
