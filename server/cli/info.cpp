@@ -91,7 +91,7 @@ void print_frame(const AssetFile& file) {
 // The physics of a scene as glTF or USD; nothing if it has none.
 int print_physics(const std::filesystem::path& path) {
   const bool usd = has_ending(path.string(), ".usda");
-  const auto scene = usd ? read_usda_scene(path) : read_gltf_scene(path);
+  const auto scene = usd ? read_usda_scene(path) : read_gltf_scene(path, {.kernels = false});
   if (!scene) return report(scene.error());
   if (scene->bodies.empty() && scene->fixed.empty() && !usd) return 0;
   std::printf("gravity      %.5g %.5g %.5g m/s2\n", scene->gravity_m_s2.x(), scene->gravity_m_s2.y(),

@@ -36,12 +36,16 @@ Result<std::vector<std::filesystem::path>> write_gltf_scene(const std::filesyste
                                                             const PortableScene& scene,
                                                             const GltfWriteOptions& options = {});
 
+struct GltfReadOptions {
+  bool kernels = true;  // false: kernels are counted, not decoded, and bodies have no asset
+};
+
 // Reads bodies, joints and animation; also of documents without LIVEGS_physics, as far as they have physics.
 // A document without any gives a scene without bodies. Kernels of a body that are stretched, or of several
 // nodes, are counted, not read (read_asset reads them). Accepts any bytes. `folder`: of the buffers of a
 // .gltf; empty: there are none.
 Result<PortableScene> decode_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& folder,
-                                        std::string_view name);
-Result<PortableScene> read_gltf_scene(const std::filesystem::path& path);
+                                        std::string_view name, const GltfReadOptions& options = {});
+Result<PortableScene> read_gltf_scene(const std::filesystem::path& path, const GltfReadOptions& options = {});
 
 }  // namespace livegs

@@ -20,6 +20,8 @@ class GltfMeshReader {
   // The kernels of all splat primitives of a mesh, in the frame of GaussianAsset: half a turn about x from
   // that of the mesh. Empty if the mesh has none. Errors name the file.
   Result<GaussianAsset> read(const nlohmann::json& index);
+  // The number of these kernels, as the accessors state it; an .spz without accessors is decoded.
+  Result<size_t> count(const nlohmann::json& index);
 
  private:
   std::unique_ptr<GltfSplats> splats_;

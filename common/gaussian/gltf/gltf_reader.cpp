@@ -197,6 +197,24 @@ class GltfSplats {
     return std::move(file.asset);
   }
 
+  Result<size_t> count_mesh(const Json& index) {
+    const auto mesh = document_.entry("meshes", index);
+    if (!mesh) return mesh.error();
+    const Json& primitives = member_of(**mesh, "primitives");
+    size_t total = 0;
+    if (!primitives.is_array()) return total;
+    for (const Json& primitive : primitives) {
+      const auto source = source_of(primitive);
+      if (!source) return source.error();
+      if (!*source) continue;
+      const auto count = count_of(primitive, **source);
+      if (!count) return count.error();
+      if (auto counted = add_count(*count, (*source)->spz); !counted) return counted.error();
+      total += *count;
+    }
+    return total;
+  }
+
  private:
   // Visits the nodes of the scene. A node belongs to one parent, so a second visit is an error.
   Result<void> walk() {
@@ -263,22 +281,14 @@ class GltfSplats {
     const Json& primitives = member_of(**mesh, "primitives");
     if (!primitives.is_array()) return {};
     for (const Json& primitive : primitives) {
-      const Json& extensions = member_of(primitive, "extensions");
-      const Json& splats = member_of(extensions, kExtension);
-      const Json* spz = spz_view(member_of(splats, "extensions"));
-      if (!spz) spz = spz_view(extensions);
-      if (!splats.is_object() && !spz) continue;
-      const Json& kernel = member_of(splats, "kernel");
-      if (kernel.is_string() && kernel != "ellipse")
-        return document_.missing("has kernels of the kind " + quoted_name(kernel.get<std::string>()) +
-                                 "; only ellipse is supported");
+      const auto source = source_of(primitive);
+      if (!source) return source.error();
+      if (!*source) continue;
+      const auto [splats, spz] = **source;
       auto kernels = spz ? read_spz_view(*spz) : read_attributes(member_of(primitive, "attributes"));
       if (!kernels) return kernels.error();
-      count_ += kernels->asset.size();
-      if (count_ * kBytesOfKernel >
-          (spz ? kMaxCompressionRatio : kMaxInstanceRatio) * document_.total_bytes())
-        return document_.problem("repeats its kernels more often than a file of its size may");
-      const Json& space = member_of(splats, "colorSpace");
+      if (auto counted = add_count(kernels->asset.size(), spz); !counted) return counted;
+      const Json& space = member_of(*splats, "colorSpace");
       if (space.is_string() && space.get_ref<const std::string&>().starts_with("lin_")) {
         encode_linear_colours(kernels->asset);
         const std::string note =
@@ -292,6 +302,54 @@ class GltfSplats {
       all_.exact.insert(all_.exact.end(), kernels->exact.begin(), kernels->exact.end());
     }
     return {};
+  }
+
+  // Where the kernels of a primitive are stored.
+  struct Source {
+    const Json* splats = nullptr;  // the extension; a null value if there is only an .spz
+    const Json* spz = nullptr;     // index of the buffer view; null: attributes
+  };
+
+  // nullopt: the primitive has no kernels.
+  Result<std::optional<Source>> source_of(const Json& primitive) const {
+    const Json& extensions = member_of(primitive, "extensions");
+    const Json& splats = member_of(extensions, kExtension);
+    const Json* spz = spz_view(member_of(splats, "extensions"));
+    if (!spz) spz = spz_view(extensions);
+    if (!splats.is_object() && !spz) return std::optional<Source>();
+    const Json& kernel = member_of(splats, "kernel");
+    if (kernel.is_string() && kernel != "ellipse")
+      return document_.missing("has kernels of the kind " + quoted_name(kernel.get<std::string>()) +
+                               "; only ellipse is supported");
+    return std::optional(Source{&splats, spz});
+  }
+
+  Result<void> add_count(uint64_t kernels, bool spz) {
+    const uint64_t most =
+        (spz ? kMaxCompressionRatio : kMaxInstanceRatio) * document_.total_bytes() / kBytesOfKernel;
+    if (kernels > most || count_ > most - kernels)
+      return document_.problem("repeats its kernels more often than a file of its size may");
+    count_ += kernels;
+    return {};
+  }
+
+  Result<size_t> count_of(const Json& primitive, const Source& source) {
+    const Json& position = member_of(member_of(primitive, "attributes"), "POSITION");
+    if (!source.spz) {
+      const auto numbers = document_.numbers(position, 3);
+      if (!numbers) return numbers.error();
+      return numbers->count;
+    }
+    if (!position.is_null()) {  // has no buffer view: only the .spz has the numbers
+      const auto accessor = document_.entry("accessors", position);
+      if (!accessor) return accessor.error();
+      if (const Json& count = member_of(**accessor, "count"); count.is_number_unsigned())
+        return count.get<size_t>();
+      return document_.problem("an accessor has no valid count");
+    }
+    const auto kernels = read_spz_view(*source.spz);
+    if (!kernels) return kernels.error();
+    return kernels->asset.size();
   }
 
   static const Json* spz_view(const Json& extensions) {
@@ -442,5 +500,6 @@ GltfMeshReader::GltfMeshReader(const GltfDocument& document)
     : splats_(std::make_unique<GltfSplats>(document)) {}
 GltfMeshReader::~GltfMeshReader() = default;
 Result<GaussianAsset> GltfMeshReader::read(const Json& index) { return splats_->read_mesh(index); }
+Result<size_t> GltfMeshReader::count(const Json& index) { return splats_->count_mesh(index); }
 
 }  // namespace livegs

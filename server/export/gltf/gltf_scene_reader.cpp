@@ -25,8 +25,8 @@ constexpr double kUnitTolerance = 1e-4;  // of the scale of a body
 
 class SceneDecoder {
  public:
-  explicit SceneDecoder(const GltfDocument& document)
-      : document_(document), values_(document), mesh_reader_(document) {}
+  SceneDecoder(const GltfDocument& document, const GltfReadOptions& options)
+      : document_(document), options_(options), values_(document), mesh_reader_(document) {}
 
   Result<PortableScene> decode() {
     const Json& own = extension_of(document_.json(), "LIVEGS_physics");
@@ -218,23 +218,41 @@ class SceneDecoder {
     return {};
   }
 
+  struct MeshKernels {
+    std::shared_ptr<const GaussianAsset> asset;  // null: counted only
+    size_t count = 0;
+  };
+
+  Result<MeshKernels> kernels_of(const Json& mesh) {
+    if (!options_.kernels) {
+      const auto count = mesh_reader_.count(mesh);
+      if (!count) return count.error();
+      return MeshKernels{nullptr, *count};
+    }
+    auto asset = mesh_reader_.read(mesh);
+    if (!asset) return asset.error();
+    const size_t count = asset->size();
+    return MeshKernels{std::make_shared<const GaussianAsset>(std::move(*asset)), count};
+  }
+
   // The kernels of a mesh. Those of one node become the asset of the body.
   Result<void> take_splats(const Json& index, const Visit& visit) {
     const auto mesh = document_.entry("meshes", index);
     if (!mesh) return mesh.error();
-    auto& kept = meshes_[*mesh];  // nodes may share a mesh
-    if (!kept) {
-      auto asset = mesh_reader_.read(index);
-      if (!asset) return asset.error();
-      kept = std::make_shared<const GaussianAsset>(std::move(*asset));
+    const auto [kept, fresh] = meshes_.try_emplace(*mesh);  // nodes may share a mesh
+    if (fresh) {
+      auto kernels = kernels_of(index);
+      if (!kernels) return kernels.error();
+      kept->second = std::move(*kernels);
     }
-    if (kept->size() == 0) return {};
+    const MeshKernels& kernels = kept->second;
+    if (kernels.count == 0) return {};
     PortableBody& body = scene_.bodies[*visit.body];
     const Affine3d object_from_node = affine_of(body.world_from_object.inverse()) * visit.world_from_node;
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(object_from_node.linear());
     const Vector3d sizes = svd.singularValues();
     const bool alone = body.kernel_count == 0;
-    body.kernel_count += kept->size();
+    body.kernel_count += kernels.count;
     body.asset.reset();
     if (!alone || sizes[0] - sizes[2] > kUnitTolerance * sizes[0] ||
         object_from_node.linear().determinant() <= 0) {
@@ -243,7 +261,7 @@ class SceneDecoder {
       return {};
     }
     const Pose pose = pose_of(object_from_node);
-    body.asset = kept;
+    body.asset = kernels.asset;
     body.object_from_asset = {sizes.mean(), (pose.orientation * Quaterniond(0, 1, 0, 0)).normalized(),
                               pose.position_m};
     return {};
@@ -318,29 +336,30 @@ class SceneDecoder {
   }
 
   const GltfDocument& document_;
+  GltfReadOptions options_;
   Values values_;
   PortableScene scene_;
   std::vector<Visit> visits_;  // parents before their children
   std::vector<std::optional<size_t>> visit_of_node_;
   std::map<size_t, size_t> body_of_node_;
-  std::map<const Json*, std::shared_ptr<const GaussianAsset>> meshes_;
+  std::map<const Json*, MeshKernels> meshes_;
   GltfMeshReader mesh_reader_;
 };
 
 }  // namespace
 
 Result<PortableScene> decode_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& folder,
-                                        std::string_view name) {
+                                        std::string_view name, const GltfReadOptions& options) {
   const auto document = GltfDocument::open(bytes, folder, name);
   if (!document) return document.error();
-  return SceneDecoder(*document).decode();
+  return SceneDecoder(*document, options).decode();
 }
 
-Result<PortableScene> read_gltf_scene(const std::filesystem::path& path) {
+Result<PortableScene> read_gltf_scene(const std::filesystem::path& path, const GltfReadOptions& options) {
   const auto bytes = read_file(path);
   if (!bytes) return bytes.error();
   return decode_gltf_scene(*bytes, path.parent_path().empty() ? "." : path.parent_path(),
-                           path.filename().string());
+                           path.filename().string(), options);
 }
 
 }  // namespace livegs

@@ -203,6 +203,70 @@ TEST(GltfScene, SpzKeepsKernelsWithinItsStep) {
   EXPECT_EQ(degrees, std::set<int>({0, 1, 2, 3}));
 }
 
+// A scene whose kernels are counted has all else that it has with them.
+TEST(GltfScene, KernelsAreCountedByTheirAccessors) {
+  for (const bool spz : {false, true}) {
+    const PortableScene scene = made_up_scene(6);
+    const auto files = encode_gltf_scene(scene, "", {spz});
+    ASSERT_TRUE(files);
+    const auto glb = encode_glb(*files);
+    ASSERT_TRUE(glb);
+    const auto decoded = decode_gltf_scene(*glb, {}, "scene.glb");
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    auto counted = decode_gltf_scene(*glb, {}, "scene.glb", {.kernels = false});
+    ASSERT_TRUE(counted) << counted.error().message;
+    ASSERT_EQ(counted->bodies.size(), scene.bodies.size());
+    for (size_t i = 0; i < scene.bodies.size(); ++i) {
+      EXPECT_GT(counted->bodies[i].kernel_count, 0u);
+      EXPECT_EQ(counted->bodies[i].kernel_count, decoded->bodies[i].kernel_count) << scene.bodies[i].name;
+      EXPECT_FALSE(counted->bodies[i].asset);
+      counted->bodies[i].asset = decoded->bodies[i].asset;
+    }
+    EXPECT_EQ(scene_difference(*decoded, *counted, 1e-12, 1e-12), "");
+    EXPECT_EQ(joined(counted->notes), joined(decoded->notes));
+  }
+}
+
+// Kernels that cannot be decoded do not prevent their count; one that the file cannot hold is refused.
+TEST(GltfScene, CountedKernelsAreNotDecoded) {
+  for (const bool spz : {false, true}) {
+    auto files = encode_gltf_scene(made_up_scene(6), "", {spz});
+    ASSERT_TRUE(files);
+    Json json = Json::parse(files->json);
+    for (Json& mesh : json["meshes"]) {
+      for (Json& primitive : mesh["primitives"]) {
+        Json& extensions = primitive["extensions"];
+        if (!extensions.is_object() || !extensions.contains("KHR_gaussian_splatting")) continue;
+        if (!spz) {
+          primitive["attributes"].erase("KHR_gaussian_splatting:ROTATION");
+          continue;
+        }
+        const size_t view = extensions["KHR_gaussian_splatting"]["extensions"]
+                                      ["KHR_gaussian_splatting_compression_spz_2"]["bufferView"];
+        const size_t at = json["bufferViews"][view].value("byteOffset", size_t{0});
+        files->binary[at] ^= std::byte{0xff};  // no gzip any more
+      }
+    }
+    files->json = json.dump();
+    const auto glb = encode_glb(*files);
+    ASSERT_TRUE(glb);
+    EXPECT_FALSE(decode_gltf_scene(*glb, {}, "bad.glb"));
+    const auto counted = decode_gltf_scene(*glb, {}, "bad.glb", {.kernels = false});
+    ASSERT_TRUE(counted) << counted.error().message;
+    const PortableScene scene = made_up_scene(6);
+    for (size_t i = 0; i < scene.bodies.size(); ++i)
+      EXPECT_EQ(counted->bodies[i].kernel_count, scene.bodies[i].kernel_count);
+
+    for (Json& accessor : json["accessors"]) accessor["count"] = 4000000000000000000;
+    files->json = json.dump();
+    const auto huge = encode_glb(*files);
+    ASSERT_TRUE(huge);
+    const auto refused = decode_gltf_scene(*huge, {}, "huge.glb", {.kernels = false});
+    ASSERT_FALSE(refused);
+    EXPECT_TRUE(refused.error().message.starts_with("huge.glb: ")) << refused.error().message;
+  }
+}
+
 // Each body of a mixed scene keeps its own mark; as one asset, all kernels have it, and a note says so.
 TEST(GltfScene, AntialiasedMarkIsOfTheMesh) {
   PortableScene scene;
