@@ -19,9 +19,10 @@ namespace livegs {
 
 inline constexpr size_t kMaxAnswerBytes = 256 << 10;
 inline constexpr int kMaxAnswerDepth = 16;
-inline constexpr size_t kMaxAnswerParts = 32;
-inline constexpr size_t kMaxAnswerBoxes = 8;  // of one part, on all pictures
-inline constexpr size_t kAnswerPictures = 2;  // pictures of one question
+inline constexpr size_t kMaxListedParts = 256;  // as the model lists them
+inline constexpr size_t kMaxAnswerParts = 32;   // that are kept
+inline constexpr size_t kMaxAnswerBoxes = 8;    // of one part, on all pictures
+inline constexpr size_t kAnswerPictures = 2;    // pictures of one question
 inline constexpr size_t kMaxAnswerSources = 8;
 inline constexpr size_t kMaxAlternatives = 6;
 

@@ -11,6 +11,7 @@
 #include "analysis/division/picture_votes.h"
 #include "analysis/estimate/class_mass.h"
 #include "analysis/estimate/physics_values.h"
+#include "analysis/gate/answer_parts.h"
 #include "analysis/knowledge/name_match.h"
 #include "core/text/format_text.h"
 #include "physics/material.h"
@@ -180,7 +181,8 @@ std::string divide_by_usual_places(const std::string& name, const SurfaceKernels
 
 // Takes the parts of the answer, even if there are none: the estimate's parts belong to the class assumed
 // there. Their places follow from the boxes on the pictures; without boxes, from the looks of such things.
-void set_parts(const Answer& answer, const ObjectFacts& facts, v1::PhysicalParameters& result) {
+void set_parts(const Answer& answer, const ObjectFacts& facts, v1::PhysicalParameters& result,
+               std::vector<std::string>& changes) {
   if (result.parts_source() == EstimatedValue::SCENE || result.parts_source() == EstimatedValue::PERSON)
     return;
   result.clear_parts();
@@ -188,6 +190,7 @@ void set_parts(const Answer& answer, const ObjectFacts& facts, v1::PhysicalParam
   result.set_parts_source(EstimatedValue::SOURCE_UNKNOWN);
   if (answer.parts.size() < 2) return;
   std::vector<AnswerPart> parts = answer.parts;
+  limit_parts(parts, static_cast<size_t>(kMaxMaterialParts), changes);
   // Places are read in order: what is enclosed comes after its holder.
   std::stable_partition(parts.begin(), parts.end(),
                         [](const AnswerPart& part) { return part.inside.empty(); });
@@ -196,10 +199,9 @@ void set_parts(const Answer& answer, const ObjectFacts& facts, v1::PhysicalParam
   const auto& kernels = facts.kernels;
   const bool marked =
       std::any_of(parts.begin(), parts.end(), [](const AnswerPart& part) { return !part.votes.empty(); });
-  if (!kernels || !marked || parts.size() > static_cast<size_t>(kMaxMaterialParts)) {
-    result.set_parts_reason(!kernels ? "one part: it was not captured"
-                            : marked
-                                ? "one part: the model named too many parts"
+  if (!kernels || !marked) {
+    result.set_parts_reason(!kernels
+                                ? "one part: it was not captured"
                                 : divide_by_usual_places(answer.name, *kernels, *result.mutable_parts()));
     return;
   }
@@ -251,7 +253,7 @@ v1::PhysicalParameters fuse_answer(const Answer& answer, const ObjectFacts& fact
   result.set_material(material.name);
   if (!before || has_inside_of(*before, offline)) set_inside(material, result);
   result.set_confidence(std::min(answer.confidence, kMaxConfidence));
-  set_parts(answer, facts, result);
+  set_parts(answer, facts, result, changes);
   if (answer.fill != Physics::FILL_UNKNOWN) {
     result.set_fill(answer.fill);
     result.set_fill_reason(model_says(answer));

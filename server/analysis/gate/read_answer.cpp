@@ -5,6 +5,7 @@
 
 #include "analysis/gate/answer.h"
 #include "analysis/gate/answer_object.h"
+#include "analysis/gate/answer_parts.h"
 #include "analysis/knowledge/name_match.h"
 #include "analysis/knowledge/table_search.h"
 #include "analysis/knowledge/tables.h"
@@ -150,7 +151,7 @@ class Reader {
     const json* value = require("parts", "form_parts");
     if (!value || failed()) return;
     if (!value->is_array() || value->empty()) return fail("parts_none");
-    if (value->size() > kMaxAnswerParts) return fail("parts_many");
+    if (value->size() > kMaxListedParts) return fail("parts_many");
     double sum = 0;
     for (size_t i = 0; i < value->size() && !failed(); ++i) {
       part((*value)[i], "parts[" + std::to_string(i) + "]");
@@ -162,8 +163,10 @@ class Reader {
       answer.changes.push_back("parts: the shares added up to " + number_text(sum) + " and were scaled to 1");
     }
     for (AnswerPart& part : answer.parts) part.share /= sum;
+    join_equal_parts(answer.parts, answer.changes);
     std::stable_sort(answer.parts.begin(), answer.parts.end(),
                      [](const AnswerPart& a, const AnswerPart& b) { return a.share > b.share; });
+    limit_parts(answer.parts, kMaxAnswerParts, answer.changes);
   }
   void part(const json& value, const std::string& field) {
     if (!value.is_object()) return fail("part_form", {{"field", field}});

@@ -146,6 +146,21 @@ json marked_answer(const CompositeObject& object, const ObjectFacts& facts,
   return answer;
 }
 
+// The same answer with each part listed twice: its left and its right half.
+json in_halves(json answer) {
+  json parts = json::array();
+  for (const json& part : answer["parts"]) {
+    for (const bool left : {true, false}) {
+      json half = part;
+      half["share"] = 0.5 * part["share"].get<double>();
+      for (json& box : half["boxes"]) box[left ? 3 : 1] = 0.5 * (box[1].get<double>() + box[3].get<double>());
+      parts.push_back(std::move(half));
+    }
+  }
+  answer["parts"] = std::move(parts);
+  return answer;
+}
+
 double share_in_right_part(const CompositeObject& object, const v1::PhysicalParameters& physics) {
   const PartPlaces places(physics.parts());
   const ObjectRow& row = *find_object_row(object.name);
@@ -160,26 +175,29 @@ double share_in_right_part(const CompositeObject& object, const v1::PhysicalPara
 }
 
 TEST(PictureVotes, BoxesOfAModelDivideEightObjects) {
-  for (const int views : {1, 3}) {
+  for (const auto& [views, halves] : {std::pair(1, false), {1, true}, {3, false}}) {
     ViewedObjects viewed;
     std::mt19937 random(3);
     std::map<std::string, std::vector<TargetView>> shown;
     const TargetViews look = [&](uint32_t id, int count, std::stop_token) { return viewed.look(id, count); };
+    const int view_count = views;
+    const bool in_two = halves;
     // The fake model marks the pictures of the view it was asked about.
     std::map<std::string, size_t> asked;
     std::mutex one_at_a_time;
-    FakeEndpoint endpoint([&](const AnalysisQuestion& question, const ToolBox& tools,
-                              int) -> Result<std::string> {
-      const std::lock_guard lock(one_at_a_time);
-      const std::string& name = tools.object().name;
-      const auto object = std::find_if(viewed.objects.begin(), viewed.objects.end(),
-                                       [&](const auto& one) { return one.name == name; });
-      const auto id = static_cast<uint32_t>(object - viewed.objects.begin() + 1);
-      (void)question;
-      const auto looks = viewed.look(id, views);
-      return marked_answer(*object, tools.object(), (*looks)[asked[name]++ % looks->size()].sights, random)
-          .dump();
-    });
+    FakeEndpoint endpoint(
+        [&](const AnalysisQuestion& question, const ToolBox& tools, int) -> Result<std::string> {
+          const std::lock_guard lock(one_at_a_time);
+          const std::string& name = tools.object().name;
+          const auto object = std::find_if(viewed.objects.begin(), viewed.objects.end(),
+                                           [&](const auto& one) { return one.name == name; });
+          const auto id = static_cast<uint32_t>(object - viewed.objects.begin() + 1);
+          (void)question;
+          const auto looks = viewed.look(id, view_count);
+          const json answer =
+              marked_answer(*object, tools.object(), (*looks)[asked[name]++ % looks->size()].sights, random);
+          return (in_two ? in_halves(answer) : answer).dump();
+        });
     AnalysisOptions options;
     options.views = views;
     std::vector<AnalysisUpdate> last(viewed.targets.size());
@@ -192,6 +210,8 @@ TEST(PictureVotes, BoxesOfAModelDivideEightObjects) {
       std::printf("%d views, %-14s %.1f %% right; %s\n", views, viewed.objects[i].name.c_str(), 100 * right,
                   physics.parts_reason().c_str());
       EXPECT_EQ(physics.parts_source(), v1::EstimatedValue::MODEL);
+      EXPECT_EQ(static_cast<size_t>(physics.parts_size()),
+                find_object_row(viewed.objects[i].name)->parts.size());
       EXPECT_GE(right, 0.8) << viewed.objects[i].name;
     }
   }
