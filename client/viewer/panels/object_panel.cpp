@@ -210,9 +210,8 @@ void ObjectPanel::select(const std::string& name) {
 }
 
 MaterialParts ObjectPanel::parts_of(const StreamedObject& object) const {
-  const PartList now(object.physics.parts());
-  const bool unanswered = sent_ && sent_->object == object.name && now == PartList(sent_->before);
-  return unanswered ? sent_->after : now.parts();
+  const auto sent = sent_.find(object.name);
+  return sent != sent_.end() ? sent->second.parts : PartList(object.physics.parts()).parts();
 }
 
 Eigen::AlignedBox3d ObjectPanel::bounds_of(const StreamedObject& object) const {
@@ -265,7 +264,7 @@ std::optional<ObjectCall> ObjectPanel::edit_parts(const PartEdit& edit, const St
   using Kind = PartEdit::Kind;
   if (edit.kind == Kind::Estimate) {
     part_ = 0;
-    sent_.reset();
+    sent_.erase(object.name);
     return RestoreEstimateCall{object.name, {"parts"}};
   }
   PartList list(parts_of(object));
@@ -299,7 +298,9 @@ std::optional<ObjectCall> ObjectPanel::edit_parts(const PartEdit& edit, const St
   }
   const MaterialParts before = parts_of(object);
   if (list == PartList(before)) return std::nullopt;
-  sent_ = PartsSent{object.name, PartList(object.physics.parts()).parts(), list.parts()};
+  PartsSent& sent = sent_[object.name];
+  if (sent.passed.empty()) sent.passed.push_back(before);
+  sent.parts = list.parts();
   SetPhysicsCall call{object.name, {}};
   *call.physics.mutable_parts() = list.parts();
   return call;
@@ -308,7 +309,37 @@ std::optional<ObjectCall> ObjectPanel::edit_parts(const PartEdit& edit, const St
 void ObjectPanel::await_reply(const std::string& object) {
   messages_[object].clear();
   waiting_ = "Changing " + object;
-  ++answers_missing_;
+  ++unanswered_[object];
+}
+
+bool ObjectPanel::take_answer(const std::string& object) {
+  const auto missing = unanswered_.find(object);
+  const bool last = missing == unanswered_.end() || --missing->second <= 0;
+  if (last && missing != unanswered_.end()) unanswered_.erase(missing);
+  if (unanswered_.empty()) waiting_.clear();
+  return last;
+}
+
+void ObjectPanel::settle_parts(const std::string& object) {
+  const auto sent = sent_.find(object);
+  if (sent == sent_.end()) return;
+  if (sent->second.accepted)
+    sent->second.parts = *sent->second.accepted;
+  else
+    sent_.erase(sent);
+}
+
+void ObjectPanel::drop_streamed_parts(const Objects& objects) {
+  std::erase_if(sent_, [&](const auto& one) {
+    const auto& [name, sent] = one;
+    if (unanswered_.contains(name)) return false;
+    const StreamedObject* object = named(objects, name);
+    if (!object) return true;
+    const PartList now(object->physics.parts());
+    return now == PartList(sent.parts) ||
+           std::none_of(sent.passed.begin(), sent.passed.end(),
+                        [&](const MaterialParts& passed) { return now == PartList(passed); });
+  });
 }
 
 std::string ObjectPanel::open_proposal(const StreamedObject& object) const {
@@ -324,9 +355,7 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     const StreamedObject* answered = named(objects, one.first);
     return !answered || !answered->proposal;
   });
-  if (const StreamedObject* edited = sent_ ? named(objects, sent_->object) : nullptr;
-      edited && !(PartList(edited->physics.parts()) == PartList(sent_->before)))
-    sent_.reset();
+  drop_streamed_parts(objects);
   shows_parts_ = actions.show_parts.value_or(shows_parts_);
   edits_parts_ = actions.parts_open.value_or(edits_parts_);
   const std::vector<const StreamedObject*> list = listed(objects);
@@ -364,9 +393,9 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     if (actions.part_selected) part_ = *actions.part_selected;
     if (actions.undo || actions.redo) {
       calls.push_back(UndoPhysicsCall{selected_, actions.redo});
-      sent_.reset();
+      sent_.erase(selected_);
       messages_[selected_].clear();
-      ++answers_missing_;
+      ++unanswered_[selected_];
     }
     if (actions.analyse) calls.push_back(AnalyzeCall{{selected_}});
   }
@@ -384,18 +413,20 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
 }
 
 void ObjectPanel::take_reply(const std::string& object, const v1::PhysicsReply& reply) {
-  if (--answers_missing_ <= 0) waiting_.clear();
   std::vector<ObjectsPanel::Message>& said = messages_[object];
   said.clear();
   for (const std::string& warning : reply.warnings()) said.push_back({false, warning});
-  // A scene file may overrule the edit.
-  if (sent_ && sent_->object == object && waiting_.empty() && reply.has_parameters())
-    sent_->after = reply.parameters().parts();
+  if (const auto sent = sent_.find(object); sent != sent_.end() && reply.has_parameters()) {
+    sent->second.accepted =
+        PartList(reply.parameters().parts()).parts();  // a scene file may overrule the edit
+    sent->second.passed.push_back(*sent->second.accepted);
+  }
+  if (take_answer(object)) settle_parts(object);
 }
 
 void ObjectPanel::take_refusal(const std::string& object, const std::string& why) {
-  if (--answers_missing_ <= 0) waiting_.clear();
-  if (sent_ && sent_->object == object) sent_.reset();
+  // A later edit may be what the refused one should have been, so it stays until it is answered.
+  if (take_answer(object)) settle_parts(object);
   answered_.erase(object);  // the proposal is still open, or the server has reported that it is not
   refuse(object, why);
 }

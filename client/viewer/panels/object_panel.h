@@ -82,12 +82,17 @@ class ObjectPanel {
   void take_analysis_end(const std::string& why);  // empty: all are finished
 
  private:
-  // The parts with the last edit, which the server may not have answered yet.
+  // The parts with all edits, of which the server may not have answered some, or the stream not shown.
   MaterialParts parts_of(const StreamedObject& object) const;
   PartsPanel division_of(const StreamedObject& object) const;
   Eigen::AlignedBox3d bounds_of(const StreamedObject& object) const;
   std::optional<ObjectCall> edit_parts(const PartEdit& edit, const StreamedObject& object);
   void await_reply(const std::string& object);
+  // Counts an answer about the object. Returns whether it was the last one that was missing.
+  bool take_answer(const std::string& object);
+  // Edits of parts whose calls are all answered are those that the server accepted.
+  void settle_parts(const std::string& object);
+  void drop_streamed_parts(const Objects& objects);  // that the stream shows, or that another client changed
   void refuse(const std::string& object, const std::string& why);
   std::string open_proposal(
       const StreamedObject& object) const;  // in words; empty when there is none to answer
@@ -102,13 +107,14 @@ class ObjectPanel {
   bool edits_parts_ = false;  // the section is open
   size_t part_ = 0;           // that is edited
   struct PartsSent {
-    std::string object;
-    MaterialParts before, after;
+    MaterialParts parts;                    // with all edits
+    std::vector<MaterialParts> passed;      // that the stream may show before: without edits, and by replies
+    std::optional<MaterialParts> accepted;  // by the last reply
   };
-  std::optional<PartsSent> sent_;  // until the object changes
+  std::map<std::string, PartsSent> sent_;  // by object, until the stream shows the last edit
   RestBounds rest_bounds_;
   std::map<uint32_t, Eigen::AlignedBox3d> bounds_m_;  // by object
-  int answers_missing_ = 0;
+  std::map<std::string, int> unanswered_;             // calls, by object; none: no entry
 };
 
 }  // namespace livegs

@@ -143,10 +143,17 @@ class ObjectPanelParts : public ::testing::Test {
   }
   // As the server does: the object has the parts, and the call is answered.
   void answer(const MaterialParts& parts) {
+    stream(parts);
+    reply(parts);
+  }
+  void stream(const MaterialParts& parts) {
     *objects_[2].physics.mutable_parts() = parts;
     objects_[2].physics.set_parts_source(v1::EstimatedValue::PERSON);
+  }
+  void reply(const MaterialParts& parts) {
     v1::PhysicsReply reply;
     *reply.mutable_parameters() = objects_[2].physics;
+    *reply.mutable_parameters()->mutable_parts() = parts;
     panel_.take_reply("pillow", reply);
   }
   PartsPanel shown() { return panel_.shown(objects_).division.value(); }
@@ -214,9 +221,82 @@ TEST_F(ObjectPanelParts, EditsBuildOnWhatIsNotYetAnswered) {
   sent(part_action(Kind::Add, 0));
   EXPECT_EQ(sent(part_action(Kind::Name, 1, "top"))[1].name(), "top");
   EXPECT_EQ(shown().parts[1].name, "top");
-  panel_.take_refusal("pillow", "physics.parts[1].name: is already that of another part; give another name");
+  const char* why = "physics.parts[1].name: is already that of another part; give another name";
+  panel_.take_refusal("pillow", why);
+  EXPECT_EQ(shown().parts[1].name, "top") << "the second edit may be accepted";
+  panel_.take_refusal("pillow", why);
   EXPECT_TRUE(shown().parts.empty()) << "as the server has it";
   EXPECT_TRUE(panel_.shown(objects_).messages.at(0).refusal);
+}
+
+// The stream and the replies come at any time after an edit, in this order each.
+TEST_F(ObjectPanelParts, NoEditInFlightIsLost) {
+  for (int order = 0; order < 20; ++order) {  // of the six messages about three edits
+    SetUp();
+    std::vector<MaterialParts> states;
+    int streamed = 0, replied = 0;
+    const auto arrive = [&](int messages) {
+      for (; messages > 0; --messages) {
+        const int edits = static_cast<int>(states.size());
+        const bool from_stream =
+            streamed < edits && (replied == edits || (order + streamed + replied) % 3 == 0);
+        if (from_stream)
+          stream(states[static_cast<size_t>(streamed++)]);
+        else if (replied < edits)
+          reply(states[static_cast<size_t>(replied++)]);
+        EXPECT_TRUE(panel_.act({}, objects_).empty());
+        EXPECT_TRUE(shown().parts.size() == 2) << order;
+      }
+    };
+    states.push_back(sent(part_action(Kind::Add, 0)));
+    arrive(order % 3);
+    states.push_back(sent(part_action(Kind::Name, 1, "top")));
+    arrive(order % 4);
+    states.push_back(sent(part_action(Kind::Material, 1, "down")));
+    EXPECT_EQ(states.back()[1].name(), "top") << order;
+    for (int left = 6 - streamed - replied; left > 0; --left) {
+      EXPECT_EQ(shown().parts[1].name, "top") << order;
+      EXPECT_EQ(shown().parts[1].material, "down") << order;
+      arrive(1);
+    }
+    // Then the stream counts: another client has changed the object.
+    MaterialParts other = states.back();
+    other[1].set_material("hardwood");
+    stream(other);
+    EXPECT_TRUE(panel_.act({}, objects_).empty());
+    EXPECT_EQ(shown().parts[1].material, "hardwood") << order;
+    objects_ = pillow_and_room();
+    EXPECT_TRUE(panel_.act({}, objects_).empty());
+  }
+}
+
+// A name that was refused is corrected before the refusal is here.
+TEST_F(ObjectPanelParts, ACorrectionSurvivesARefusal) {
+  answer(sent(part_action(Kind::Add, 0)));
+  sent(part_action(Kind::Name, 1, shown().parts[0].name));
+  const MaterialParts corrected = sent(part_action(Kind::Name, 1, "top"));
+  panel_.take_refusal("pillow", "physics.parts[1].name: is already that of another part; give another name");
+  EXPECT_TRUE(panel_.act({}, objects_).empty());
+  EXPECT_EQ(sent(part_action(Kind::Material, 1, "down"))[1].name(), "top");
+  reply(corrected);
+  panel_.take_refusal("pillow", "physics.parts[1].material: is not in the table");
+  EXPECT_EQ(shown().parts[1].name, "top") << "the last one that the server accepted";
+  EXPECT_EQ(shown().parts[1].material, "foam");
+}
+
+TEST_F(ObjectPanelParts, EditsInFlightAreOfTheirObject) {
+  sent(part_action(Kind::Add, 0));
+  objects_[3] = objects_[2];
+  objects_[3].id = 3;
+  objects_[3].name = "cushion";
+  PanelActions other = part_action(Kind::Add, 0);
+  other.part_edit->object = "cushion";
+  panel_.select("cushion");
+  sent(other);
+  v1::PhysicsReply reply;
+  *reply.mutable_parameters() = objects_[3].physics;
+  panel_.take_reply("cushion", reply);
+  EXPECT_EQ(sent(part_action(Kind::Name, 1, "top"))[1].name(), "top");
 }
 
 // The scene file overrules the edit, or undo takes it back.
