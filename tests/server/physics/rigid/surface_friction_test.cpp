@@ -72,6 +72,51 @@ TEST(SurfaceFriction, BoxOfTwoHalvesIsSlowedByBoth) {
   }
 }
 
+// A slab slides forwards (-z) on two halves side by side. Its weight is shared by its four corners, at half
+// its width w from the middle, and friction along z does not move the load sideways. The halves so pull with
+// l m g / 2 and r m g / 2, a couple of (l - r) m g / 2 * w / 2 that turns the slab to its rougher side, left
+// being positive. The slip of a corner turns by less than a tenth in the time that is measured.
+double turning_acceleration(double left, double right, double width_m, double depth_m) {
+  const double couple_m2_s2 = 0.5 * (left - right) * kGravity * 0.5 * width_m;  // for each kilogram
+  return couple_m2_s2 / ((width_m * width_m + depth_m * depth_m) / 12);
+}
+
+// A contact limits the twist apart from the force, and resists the couple up to that limit: a known gap.
+TEST(SurfaceFriction, SlabTurnsToItsRougherSide) {
+  constexpr double kFloor = 0.5, kOwn = 0.5, kSeconds = 0.05;
+  double worst = 0;
+  for (const double rate : kRates_hz) {
+    for (const auto& [width_m, depth_m] : {std::pair(0.3, 0.3), std::pair(0.4, 0.1)}) {
+      for (const double factor : {0.0, 0.25, 1.0, 2.0}) {
+        SCOPED_TRACE(testing::Message() << rate << " Hz, " << width_m << " m, factor " << factor);
+        World world = world_at(rate, 4);
+        world.add_collider(floor_plane(kFloor));
+        auto slab = box_body(1, {width_m, 0.02, depth_m}, 1.0);
+        slab.material.friction = kOwn;
+        slab.material.restitution = 0;
+        slab.friction_boxes = {right_half(factor)};
+        slab.world_from_object.position_m = {0, 0.01, 0};
+        slab.velocity_m_s = {0, 0, -2};
+        ASSERT_TRUE(world.add_rigid(slab));
+        world.step();  // lands
+        const double before_rad_s = body_state(world, 1).angular_velocity_rad_s.y();
+        run_seconds(world, kSeconds);
+        const double turning = (body_state(world, 1).angular_velocity_rad_s.y() - before_rad_s) / kSeconds;
+        if (factor == 1) {
+          EXPECT_NEAR(turning, 0, 1e-6) << "equal halves";
+          continue;
+        }
+        const double expected = turning_acceleration(std::sqrt(kFloor * kOwn),
+                                                     std::sqrt(kFloor * factor * kOwn), width_m, depth_m);
+        std::printf("%.3g m, factor %.2f: %.2f of %.2f rad/s2\n", width_m, factor, turning, expected);
+        EXPECT_GE(turning / expected, -1e-3) << "to the smoother side";
+        worst = std::max(worst, std::abs(turning / expected - 1));
+      }
+    }
+  }
+  report_gap("friction.side_by_side", worst);
+}
+
 // The friction between two bodies is that of the parts that touch: cubes slide over the two halves of a
 // board.
 TEST(SurfaceFriction, ThePartThatTouchesCounts) {
