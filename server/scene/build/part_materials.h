@@ -14,9 +14,10 @@ namespace livegs {
 
 // Effect of the parts of an object (PhysicalParameters::parts) on its body. The total mass stays; each part
 // has its share of it, evenly within its place. Parts without material in their place leave their share to
-// the others. The friction of a part is to that of the object as the two materials' frictions in the table.
-// The functions do nothing if the object is not divided. Those with lines return one for display for each
-// part whose boxes hold no material.
+// the others. The friction of a part is to that of the object as the two materials' frictions in the table;
+// static objects, and elastic ones with the solver livegs-v1, have one friction. The functions do nothing if
+// the object is not divided. Those with lines return one for display for each part whose boxes hold no
+// material.
 
 // Changes centre of mass and inertia of a rigid body, and sets density_kg_m3 of the parts. `shell`: the mass
 // lies on the surface of the mesh.
