@@ -414,8 +414,9 @@ void CellsBody::wake() {
   become_elastic();
   rest_.sleep_timer.wake();
   rest_.stationary_s = 0.0;
-  // The colliders may have changed.
-  colliders_.margin_m = 0.0;
+  // Colliders may have changed, and bodies around have moved uncounted.
+  colliders_.margin_m = bodies_.rigid_margin_m = 0.0;
+  ++bodies_.restarts;
   colliders_.sides.clear();
 }
 
