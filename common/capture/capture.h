@@ -37,7 +37,7 @@ struct Capture {
   std::vector<CapturedView> views;             // by name
   std::vector<Eigen::Vector3f> points;         // triangulated surface points; may be empty
   std::vector<Eigen::Vector3f> point_colours;  // of each point, 0..1
-  std::vector<std::string> notes;              // of what was left out, one line each
+  std::vector<std::string> notes;              // about ignored data, one line each
 };
 
 // At least this number of photos is needed; two do not determine a surface.
@@ -48,10 +48,10 @@ inline constexpr size_t kHeldOutInterval = 8;
 // Reads the poses of a folder or of one file. In this order:
 //   transforms.json (instant-ngp, nerfstudio), transforms_train.json with transforms_test.json
 //   a COLMAP model, binary or text, in sparse/0, sparse, colmap/sparse/0 or the folder itself
-// transforms.json without ply_file_path takes the points of a COLMAP model in the same folder if both agree
-// about the poses. Errors are one line: nothing found, a damaged file, missing photos, too few photos.
+// transforms.json without ply_file_path uses the points of a COLMAP model in the same folder if the poses are
+// equal. Errors are one line: nothing found, a damaged file, missing photos, too few photos.
 Result<Capture> read_capture(const std::filesystem::path& path);
-// Whether there is a file that read_capture would take the poses from.
+// Whether a pose file for read_capture exists.
 bool has_poses(const std::filesystem::path& path);
 
 }  // namespace livegs

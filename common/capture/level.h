@@ -7,10 +7,10 @@
 
 namespace livegs {
 
-// The up axis of a place from its photos, unit: people hold cameras level, so that the right axes of the
-// pictures are horizontal, and the axis that is perpendicular to most of them is vertical. If the photos look
-// in one direction only, the mean up axis of the pictures. Photos that were taken upright and are stored
-// lying (EXIF) count as they were taken. Precondition: at least one view.
+// Returns the up axis of a place from its photos, a unit vector. Most photos are taken level, so the right
+// axes of the pictures are horizontal. The axis that is perpendicular to most of them is vertical. If all
+// photos have one direction, the result is the mean up axis of the pictures. The EXIF orientation of photos
+// is applied. Precondition: at least one view.
 Eigen::Vector3d photo_up(const Capture& capture);
 
 // Turns poses and points about the origin so that `up` becomes y.

@@ -16,8 +16,8 @@ namespace livegs {
 struct CapturedPicture {
   int width = 0, height = 0;
   std::vector<uint8_t> rgba;
-  // 255: the pixel counts, 0: it has no photo (beyond the edge of a distorted photo) or its mask is 0. Empty:
-  // all count.
+  // 255: the pixel is used. 0: it is ignored, because it is beyond the edge of a distorted photo or its mask
+  // is 0. Empty: all are used.
   std::vector<uint8_t> counts;
   bool opaque = true;  // all alpha are 255
 };
@@ -25,7 +25,7 @@ struct CapturedPicture {
 struct PictureOptions {
   int longest_px = 0;  // longest edge of the working size; 0 or more than the photo's: that of the photo
   uint64_t max_bytes = uint64_t{1} << 30;  // of pictures kept in memory; others are read again when needed
-  bool ignore_masked = false;              // pixels whose mask is 0 do not count
+  bool ignore_masked = false;              // ignores pixels whose mask is 0
 };
 
 // Reads, undistorts and reduces the photos of a capture when they are needed. Thread-safe. The capture must

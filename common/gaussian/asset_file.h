@@ -46,8 +46,8 @@ Result<AssetFile> read_asset(const std::filesystem::path& path, const ReadOption
 Result<AssetFile> decode_asset(std::span<const std::byte> bytes, std::string_view name,
                                const ReadOptions& options = {});
 
-// What a file says of its axes and its unit. Of a .ply the head is read; other files are read whole. Without
-// an origin. A file that cannot be read says nothing.
+// Returns the axes and the unit that a file states. Only the head of a .ply is read; other files are read
+// whole. The result has no origin. It is empty if the file cannot be read.
 AssetFrame named_frame(const std::filesystem::path& path);
 
 struct SpzOptions {

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// What a file says of its axes, its unit and its place. Values of the asset are not changed by it: a scene
-// places the asset.
+// Axes, unit and place that a file states. They do not change the values of the asset: a scene places the
+// asset.
 struct AssetFrame {
   // Axis of the asset that is up: "x", "-x", "y", … . Empty: the file names none; -y is assumed.
   std::string up_axis;
@@ -23,7 +23,7 @@ struct AssetFrame {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
-// How LiveGS stores a frame in files of any format: lines of text, one statement each, in PLY as comments.
+// Stored form of a frame in files of any format: lines of text, one statement each, in PLY as comments.
 //   Vertical Axis: -y            also what other tools write; up is a synonym
 //   Unit: 0.01 m                 a number of metres, or m, cm, mm, km, in, ft; "unknown" for a guess
 //   Origin: 500000 5400000 30

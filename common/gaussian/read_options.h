@@ -3,7 +3,7 @@
 
 namespace livegs {
 
-// How a file is read.
+// Options for reading a file.
 struct ReadOptions {
   // A .ply stores logarithms of standard deviations and logits of opacities. Some exports store the
   // standard deviations and opacities themselves ("activated"), and nothing in the file says so.

@@ -15,8 +15,8 @@ namespace livegs {
 //   line 3, column 7: objects[0]: unknown field "nme"; did you mean "name"?
 //   line 4, column 30: objects[0].physics.behavior of "cup": must be AUTO, STATIC, RIGID or ELASTIC, not
 //   "SQUISHY"
-// Refused besides: wrong types, numbers out of range, fields that are given twice, two fields of a oneof, and
-// any text that is not JSON. Contents of `message` are replaced; they are undefined after an error.
+// Also refused: wrong types, numbers out of range, repeated fields, two fields of a oneof, and any text that
+// is not JSON. The contents of `message` are replaced. They are undefined after an error.
 Result<void> parse_json_message(std::string_view text, google::protobuf::Message& message);
 
 }  // namespace livegs

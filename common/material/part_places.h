@@ -11,7 +11,7 @@ namespace livegs {
 
 using MaterialParts = google::protobuf::RepeatedPtrField<v1::MaterialPart>;
 
-// More parts are not distinguished by eye or in a table.
+// Maximum number of parts. More are hard to distinguish by eye or in a table.
 inline constexpr int kMaxMaterialParts = 8;
 
 // A box of a part; a corner that is not given is open.

@@ -16,13 +16,15 @@ struct TrainOptions {
   int longest_px = 640;         // longest edge of the photos in training; larger photos are reduced
   uint64_t seed = 1;
   ShapeOptions shape;
-  // Weight of the mean spread of depths along a ray, as a share of the extent. It draws what a ray sees to
-  // one depth: without it, half-transparent surfaces with others far behind them fit the photos as well.
+  // Weight of the mean spread of depths along a ray, as a share of the extent. It contracts the kernels on a
+  // ray to one depth. Without it, half-transparent surfaces with others far behind them fit the photos as
+  // well.
   double spread_weight = 0.2;
   // Change of colour per pixel (root of the sum of squares) at which a pixel of the photo has half of that
-  // weight. Texture places a surface by itself, and at the edge of an object two depths are right.
+  // weight. Texture already determines the depth of a surface, and at the edge of an object two depths are
+  // correct.
   double spread_edge = 0.02;
-  bool ignore_masked = false;                      // pixels whose mask is 0 do not count
+  bool ignore_masked = false;                      // ignores pixels whose mask is 0
   uint64_t max_picture_bytes = uint64_t{1} << 30;  // of photos in memory
 
   // Learning rates per step of a run of kFullSteps. Shorter runs multiply them by the square root of
@@ -41,7 +43,7 @@ struct TrainOptions {
   // after three.
   double harmonics_interval = 0.125;
   // Smallest standard deviation of a kernel along any axis, as a share of a pixel of the nearest camera.
-  // Thinner kernels look the same, and their depth is lost in rounding.
+  // Thinner kernels give the same picture, but rounding destroys their depth.
   double min_axis_px = 0.1;
 };
 

@@ -38,7 +38,7 @@ class Trainer {
   Trainer& operator=(Trainer&&) noexcept;
 
   // Pictures and gradients are blended on this device from now on. The same device gives the same bits again;
-  // they differ from those of the CPU by rounding. If it fails, a warning is logged and the CPU goes on.
+  // they differ from those of the CPU by rounding. If it fails, a warning is logged and the CPU continues.
   void use_device(std::unique_ptr<Backend> backend);
 
   size_t steps_done() const;

@@ -15,7 +15,7 @@ namespace {
 // The right axes span a plane if the second eigenvalue of their mean outer product is at least this; it is
 // 0.5 for photos all around a place, 0.03 for photos within 35 degrees.
 constexpr double kMinSpan = 0.03;
-// Of cameras and of points in median_distance.
+// Largest numbers of cameras and of points in median_distance.
 constexpr size_t kMaxDistanceSamples = 200;
 
 // Right and up of the picture as it was taken, in the world; the sign of right is left open.

@@ -9,7 +9,7 @@
 #include "capture/capture.h"
 #include "core/result.h"
 
-// Readers of single pose files. They do not look at the photos, except for sizes that the file leaves out.
+// Readers of single pose files. They open photos only for sizes that the file omits.
 
 namespace livegs {
 

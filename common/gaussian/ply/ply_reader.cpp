@@ -61,7 +61,7 @@ using Names = std::array<const char*, 3>;
 constexpr std::array<Names, 3> kRgbNames = {
     {{"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}, {"r", "g", "b"}}};
 
-// What the properties of a file are; writers differ.
+// Meaning of the properties of a file; writers differ.
 struct Layout {
   int sh_degree = 0;
   int scale_count = 3;         // 2: flat kernels (2DGS); 1: round ones

@@ -12,7 +12,7 @@
 namespace livegs {
 
 // Draws images of objects on a device by tiles, or on the CPU (Rasteriser) without one. Both give the same
-// image to rounding, 32-bit floats. If the device fails, a warning is logged and the CPU goes on. It also
+// image to rounding, 32-bit floats. If the device fails, a warning is logged and the CPU continues. It also
 // draws single images that the device cannot hold. Assets that are drawn again stay on the device. One thread
 // at a time.
 class ImageRasteriser {

@@ -23,7 +23,7 @@ inline constexpr float kSsimWeight = 0.2f;
 class PictureLoss {
  public:
   // (1 - w) L1 + w (1 - SSIM), means over pixels and colours, plus `alpha_weight` times the mean absolute
-  // difference of alpha. `counts`: pixels with 0 do not count; empty: all do. Both pictures have one size.
+  // difference of alpha. `counts`: pixels with 0 are ignored; empty: none. Both pictures have one size.
   double evaluate(const PicturePlanes& picture, const PicturePlanes& target, std::span<const uint8_t> counts,
                   float alpha_weight, PicturePlanes& by_picture);
 
@@ -40,8 +40,8 @@ class PictureLoss {
   std::vector<double> partial_;
 };
 
-// Peak signal-to-noise ratio over the colours, dB, of colours held in 0..1. Pixels that do not count are left
-// out. Infinity for equal pictures.
+// Peak signal-to-noise ratio over the colours, dB, of colours held in 0..1. Ignored pixels are left out.
+// Infinity for equal pictures.
 double psnr_db(const PicturePlanes& picture, const PicturePlanes& target, std::span<const uint8_t> counts);
 
 }  // namespace livegs

@@ -16,8 +16,8 @@ struct ShapeOptions {
   ShapeLoss loss = ShapeLoss::Needle;
   float weight = 1;
   float limit = 3;  // r
-  // Of the mean opacity (Kheradmand et al. 2024, equation 10, with 0.01). It removes kernels that nothing
-  // needs; with 0.01 surfaces become half-transparent and lie behind themselves by centimetres.
+  // Weight of the mean opacity (Kheradmand et al. 2024, equation 10, with 0.01). It removes superfluous
+  // kernels. With 0.01, surfaces become half-transparent and their depth is wrong by centimetres.
   float opacity_weight = 0.002f;
   float scale_weight = 0.01f;  // of the mean axis, as a share of the extent of the scene
 };

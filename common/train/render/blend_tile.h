@@ -17,11 +17,11 @@ struct alignas(32) TilePixels {
   // spread, w_i w_k |z_i - z_k| over all pairs (Barron et al. 2022, equation 15). Filled on request.
   float depth[kTilePixels], spread[kTilePixels];
 };
-// Derivatives of the loss by the pixels of a tile, and what is left of them behind the current kernel.
+// Derivatives of the loss by the pixels of a tile, and their remainders behind the current kernel.
 struct alignas(32) TileGradient {
   float red[kTilePixels], green[kTilePixels], blue[kTilePixels];
   float alpha[kTilePixels];
-  // Sum of weight * (gradient . colour) of all that lies behind, with the background.
+  // Sum of weight * (gradient . colour) over all kernels behind, and the background.
   float left[kTilePixels];
   // dL by the spread, and the finished picture for it.
   float spread[kTilePixels], final_alpha[kTilePixels], final_depth[kTilePixels];

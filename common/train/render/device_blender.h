@@ -17,8 +17,8 @@
 namespace livegs {
 
 // Blends projected kernels and takes a gradient by the picture back to them, by passes of a backend. The
-// results have the same bits in every run on one device, and agree with render/blend_tile.h to rounding.
-// Host memory goes to the device and back twice per picture. One thread.
+// results have the same bits in every run on one device, and agree with render/blend_tile.h to rounding. Data
+// are copied to the device and back twice per picture. One thread.
 class DeviceBlender {
  public:
   explicit DeviceBlender(std::unique_ptr<Backend> backend);

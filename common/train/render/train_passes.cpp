@@ -48,7 +48,7 @@ struct TileArea {
   int left, top, right, bottom;
 };
 
-// What both ways of blending read. Ranges start at whole groups.
+// Inputs of both blending passes. Ranges start at whole groups.
 struct TileLists {
   TileLists(const PassArguments& arguments, size_t begin)
       : constants(row_at<TrainBlendConstants>(arguments.constants, 0)),

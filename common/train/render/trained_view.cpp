@@ -221,7 +221,7 @@ void TrainedView::draw(const KernelParameters& parameters, const Camera& camera,
 bool TrainedView::blend_on_device() {
   if (!device_) return false;
   if (auto done = device_->forward(kernels_, camera_.width, camera_.height, options_.cuts); !done) {
-    log_warn("training: the device failed (%s); the CPU goes on", done.error().message.c_str());
+    log_warn("training: the device failed (%s); the CPU continues", done.error().message.c_str());
     device_.reset();
     return false;
   }
@@ -256,7 +256,7 @@ bool TrainedView::backward_on_device(const PicturePlanes& by_picture, std::span<
                                by_picture.alpha[i], by_spread.empty() ? 0.0f : by_spread[i]};
   });
   if (auto done = device_->backward(device_by_picture_, options_.background, kernel_gradients_); !done) {
-    log_warn("training: the device failed (%s); the CPU goes on", done.error().message.c_str());
+    log_warn("training: the device failed (%s); the CPU continues", done.error().message.c_str());
     device_.reset();
     bin();
     blend();

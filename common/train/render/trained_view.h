@@ -38,7 +38,7 @@ struct TrainedViewOptions {
   int sh_degree = 3;
   RenderCuts cuts;
   bool depth = false;   // fills depths()
-  bool spread = false;  // fills spreads() and what backward needs for them
+  bool spread = false;  // fills spreads() and their data for backward
 };
 
 // Draws trained kernels and takes the derivative of a loss back to their numbers. Both passes run front to
@@ -53,7 +53,7 @@ class TrainedView {
   TrainedView& operator=(TrainedView&&) noexcept;
 
   // Binning and blending, forward and back, run as passes on this device from now on (device_blender.h). If
-  // it fails, a warning is logged and the CPU goes on.
+  // it fails, a warning is logged and the CPU continues.
   void use_device(std::unique_ptr<Backend> backend);
 
   // Colours over the background, without an upper limit; alpha is coverage.
@@ -64,7 +64,7 @@ class TrainedView {
   // at which transmittance falls under 0.5; infinity if it never does. Scene units.
   const std::vector<float>& depths() const { return depths_; }
 
-  // By pixel: the spread of what is seen along the ray (blend_tile.h), scene units.
+  // By pixel: the spread of depths along the ray (blend_tile.h), scene units.
   std::span<const float> spreads() const { return spreads_; }
 
   // Kernels of the last draw, by depth.
