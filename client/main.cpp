@@ -171,7 +171,7 @@ int main(int argc, char** argv) {
          "second)")
       ->check(CLI::Range(0, 1000000));
   app.add_flag("--no-video", no_video, "Save PNGs only");
-  app.add_flag("--no-shadows", no_shadows, "Draw no contact and soft shadows under objects");
+  app.add_flag("--no-shadows", no_shadows, "Draw objects without contact and soft shadows");
   app.add_flag(
       "--full-size", full_size,
       "Window mode: always render at full resolution (default: reduce resolution when frames are late)");

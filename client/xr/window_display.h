@@ -16,7 +16,7 @@ namespace livegs {
 // Mouse and keyboard input of one window frame, from all events since the last one. Pixels from the top left
 // of the contents. Input that a panel consumed is omitted.
 struct WindowInput {
-  // Of the mouse when a button changed, else now; and since the last frame or the press.
+  // Mouse position when a button changed, else now; and its movement since the last frame or the press.
   Eigen::Vector2d mouse_px{0, 0}, moved_px{0, 0};
   double scrolled = 0;                 // notches, positive is up
   bool left = false;                   // down; a click is down in one frame at least
@@ -70,7 +70,7 @@ class WindowDisplay : public Display {
   virtual const WindowInput& input() const = 0;  // of the last wait_frame
   virtual Eigen::Vector2i size_px() const = 0;   // current size of the contents
   virtual double ui_scale() const = 0;           // of texts and panels
-  // Of the monitor with the largest part of the window; 0 if unknown.
+  // Refresh rate of the monitor with the largest part of the window; 0 if unknown.
   virtual double refresh_hz() const = 0;
   virtual void set_overlay(WindowOverlay overlay) = 0;
   virtual const PanelActions& actions() const = 0;  // on the panels of the last submit

@@ -41,7 +41,7 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   if (std::max(object.asset_bytes, object.broken_asset_bytes) > kMaxFileBytes) {
     return fail("the asset is over 4 GiB");
   }
-  if (!std::isfinite(object.lift_m)) return fail("lift_m is no number");
+  if (!std::isfinite(object.lift_m)) return fail("lift_m is not a number");
   auto rest = decode_rest_body(std::as_bytes(std::span(description.rest_body())));
   if (!rest) return fail(rest.error().message);
   object.rest = std::move(*rest);

@@ -19,7 +19,7 @@ struct GizmoHandle {
   bool arrow = false;  // the line ends in a tip
 };
 
-// What a drag has done so far: about the pivot, rotation first, then scale, then the shift.
+// Transform of a drag so far: about the pivot, rotation first, then scale, then the shift.
 struct GizmoChange {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();

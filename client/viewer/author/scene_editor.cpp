@@ -436,7 +436,7 @@ void SceneEditor::take(const v1::EditSceneReply& reply) {
   notice_.clear();
   for (const std::string& warning : reply.warnings()) notice_ += (notice_.empty() ? "" : "\n") + warning;
   if (reply.objects_size() == 0) return;
-  // What was added, renamed or edited is what the user goes on with.
+  // Selects the added, renamed or edited objects, because the user probably continues with them.
   std::set<std::string> edited(reply.objects().begin(), reply.objects().end());
   selected_ = std::move(edited);
 }

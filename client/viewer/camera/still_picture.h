@@ -15,13 +15,13 @@ class StillPicture {
   // Time without a change after which the picture is drawn at full size. Shorter values draw large pictures
   // in short halts of a drag; longer ones leave a blurred picture.
   static constexpr int64_t kRest_ns = 150'000'000;
-  // Waits for events and messages after a change, when more is expected, and at rest. The second only bounds
-  // the time until an interrupt of the program is seen; a shorter one costs processor time.
+  // Maximum waits for events and messages, after a change and at rest. kRestWait_s only bounds the delay of
+  // an interrupt of the program; a shorter one costs processor time.
   static constexpr double kAlertWait_s = 0.01, kRestWait_s = 0.25;
 
   enum class Draw { Moving, Full, Nothing };
-  // What to draw for this camera, of the size of the window, and SceneView::version() after pose(). Call in
-  // order of time.
+  // Returns the kind of picture to draw. `window`: camera of the window's size. `scene_version`:
+  // SceneView::version() after pose(). Call in order of time.
   Draw next(const Camera& window, uint64_t scene_version, int64_t now_ns) {
     if (!seen_ || scene_version != scene_version_ || !same(window, window_)) {
       seen_ = true;
@@ -35,14 +35,14 @@ class StillPicture {
     rests_ = true;
     return std::exchange(full_, true) ? Draw::Nothing : Draw::Full;
   }
-  // The picture for Draw::Moving was drawn at full size with all kernels.
+  // Reports that the picture for Draw::Moving was drawn at full size with all kernels.
   void drew_in_full() { full_ = true; }
-  // The window shows something else: the next picture is drawn.
+  // Makes next() draw the next picture. Call after the window has shown something else.
   void reset() { seen_ = full_ = rests_ = false; }
 
-  // Nothing has changed for kRest_ns before the last next(), and the window shows the scene at full size.
+  // True if nothing changed for kRest_ns before the last next(), and the window shows the scene at full size.
   bool rests() const { return rests_; }
-  // Time in which the window may wait for events: short after a change, when more is expected.
+  // Time for which the window may wait for events: short after a change, because further changes are likely.
   double wait_s(int64_t now_ns) const {
     return rests_ && now_ns - changed_ns_ > kAlert_ns ? kRestWait_s : kAlertWait_s;
   }

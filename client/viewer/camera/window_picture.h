@@ -24,9 +24,9 @@ class WindowPicture {
   // Draws the pose of `view`, if the last picture is not of this pose, camera and window size.
   Result<void> draw(SceneView& view, const OrbitCamera& camera, const Eigen::Vector2i& window_px,
                     int64_t now_ns);
-  // The picture of the last draw(); empty if the one before stays.
+  // The picture of the last draw(); empty if the previous picture is still valid.
   std::span<const Image> drawn() const { return std::span(images_).first(drawn_ ? images_.size() : 0); }
-  // The window shows something else: the next picture is drawn.
+  // Makes the next draw() draw a picture. Call after the window has shown something else.
   void reset() {
     still_.reset();
     drawn_ = false;

@@ -20,12 +20,12 @@ class MouseHands {
   // Both must outlive this object.
   MouseHands(SessionClient& client, FrameMeter& meter) : client_(client), meter_(meter) {}
 
-  // Pokes the object from `eye_m` from now on, in place of the mouse.
+  // Starts a script that pokes the object from `eye_m`, in place of the mouse.
   void begin_script(const std::string& object, const Eigen::Vector3d& eye_m);
   bool scripted() const { return script_.has_value(); }
 
-  // `window`: the camera of the whole window. `pulls`: the left button pulls. `rests`: nothing changes, so
-  // that a repeated sample is not sent: it would only wake the server, and its reply this window.
+  // `window`: the camera of the whole window. `pulls`: the left button pulls. `rests`: the scene does not
+  // change. A repeated sample is then not sent, because it would wake the server, and the reply this window.
   void send_mouse(const WindowInput& input, const Camera& window, bool pulls, bool rests);
   // `seconds`: since the beginning of the script. Between two pictures the script advances by
   // kMaxScriptStep_s at most, so that a slow window shows all of it.

@@ -12,7 +12,7 @@
 
 namespace livegs {
 
-// What the Run panel of a live scene reports.
+// Contents of the Run panel of a live scene.
 struct RunPanelSource {
   const ReceivedFrame* newest = nullptr;  // null before the first frame
   const SceneView& view;

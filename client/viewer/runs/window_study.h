@@ -35,10 +35,10 @@ class WindowStudy {
                                const Camera& window);
   // Aims the force of the panel.
   void aim(ForceStudy::Target target) { study_.aim(std::move(target)); }
-  // Applies the user's actions on the panel. An error: a recording could not begin.
+  // Applies the user's actions on the panel. Fails if a recording could not begin.
   Result<void> act(const PanelActions& actions, const Camera& window);
 
-  // What the stream brought: an object that was described again, objects whose kernels were renumbered.
+  // Updates from the stream: an object with a new description, objects with renumbered kernels.
   void follow(const StreamedObject& object) { study_.follow(object.name, object.id); }
   void find_kernels_again(uint32_t object_id);
   void take_frames();     // for a recording

@@ -18,8 +18,8 @@
 namespace livegs {
 
 // Binds objects of a browser client to the parts of their assets that have arrived, and packs their kernels.
-// This takes seconds for a large asset, so it has a worker of its own (page/binder.js), whose results
-// LiveScene takes. One thread.
+// This takes seconds for a large asset, so it runs in a second worker (page/binder.js). Its results are
+// passed to LiveScene. One thread.
 class AssetBinder {
  public:
   // An object's kernels. The arrays have the layouts of the passes.
@@ -45,7 +45,8 @@ class AssetBinder {
   Result<void> describe(uint32_t description, uint32_t asset, std::span<const std::byte> rest_body);
   void forget(uint32_t description) { descriptions_.erase(description); }
   // Binds the first object that is due: one without kernels, or one whose asset has doubled or is complete.
-  // False: none is. After an error, the object is no longer bound; bound() then has its number only.
+  // Returns false if none is due. After an error, the object is no longer bound; bound() then has its number
+  // only.
   Result<bool> bind_next();
   const Bound& bound() const { return bound_; }  // of the last bind_next()
   void release() { bound_ = {}; }

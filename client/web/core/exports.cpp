@@ -50,7 +50,7 @@ std::span<const std::byte> bytes_at(const void* data, size_t size) {
 
 int64_t ns(double value) { return static_cast<int64_t>(value); }
 
-// What bound_kernels() and describe_object() return the address of.
+// Result of bound_kernels() and describe_object(), which return its address.
 struct BoundView {
   uint32_t description = 0, reserved = 0, count = 0, sh_degree = 0, antialiased = 0;
   const void* rest = nullptr;

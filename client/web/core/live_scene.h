@@ -23,7 +23,7 @@ namespace livegs {
 // The scene of a browser client: objects with their bound kernels (AssetBinder), their drivers at the moment
 // of playout, and the order of all kernels. The rules are those of the native client (SceneView,
 // ProgressiveObjects, FrameQueue); drawing is left to the page. No step takes longer than a pose of all
-// kernels, so that its thread can serve a stream. One thread. Times are nanoseconds of the caller's clock.
+// kernels, so the same thread can serve a stream. One thread. Times are nanoseconds of the caller's clock.
 class LiveScene {
  public:
   // Kernels of an object have global indices [base, base + size()); a range is reserved for all kernels of
@@ -68,7 +68,7 @@ class LiveScene {
   void begin_stream() { reader_ = StreamReader(); }
   bool needs_keyframe() const { return reader_.needs_keyframe(); }
   Result<void> take_frame(std::span<const std::byte> bytes, int64_t received_ns);
-  // Forgets the frames of a server that was restarted, or of a recording that is played from another moment.
+  // Discards all frames, after a restart of the server or a seek in a recording.
   void restart() { playout_.reset(); }
 
   // Moves all objects to the playout moment. Returns whether the drivers, kernels or the set of drawn objects
@@ -83,7 +83,7 @@ class LiveScene {
 
   void set_view(const OrderView& view);
   // Depth keys of all drawn kernels; then their global indices, nearest first. Equal depths keep the order of
-  // objects and kernels, as the native sort does. Kernels that no eye sees are included: the page culls them.
+  // objects and kernels, as the native sort does. Invisible kernels are included; the page culls them.
   void update_keys();
   std::span<const uint32_t> sort();
   std::span<const uint32_t> order() const { return order_.order(); }  // of the last sort()

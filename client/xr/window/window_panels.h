@@ -112,7 +112,7 @@ struct ScenePanel {
   int tool = 0;       // of kTools
   bool room = false;  // there is a captured room to take things from
   bool snap = false, grid = false;
-  // Of the selected object, if it is only one.
+  // Values of the selected object, if exactly one is selected.
   struct Fields {
     std::string name, label, label_hint, group, material;
     int behavior = 0;                                  // of kBehaviors
