@@ -95,7 +95,7 @@ std::string check_origin(const std::string& text) {
   const bool good =
       host > 0 && !name.empty() &&
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789.-:[]") == std::string_view::npos;
-  return good ? "" : text + ": is not an origin; give scheme and host only, as https://example.org";
+  return good ? "" : text + ": is not an origin; give scheme and host only, such as https://example.org";
 }
 
 // Address at which clients reach the server.
@@ -127,7 +127,7 @@ void announce(const Options& options, livegs::GrpcServer& server, const livegs::
   std::fprintf(stderr, "Connect a client:\n  %s\n", client.c_str());
   // The code in the link is a secret for ten minutes, so it goes to terminals only, not to a log.
   if (security && ::isatty(STDERR_FILENO) == 0) {
-    std::fprintf(stderr, "Open a browser, with the link of:\n  %s link\n", ctl.c_str());
+    std::fprintf(stderr, "Print a link for a browser:\n  %s link\n", ctl.c_str());
     return;
   }
   const livegs::v1::BrowserLink link = server.new_browser_link();
@@ -135,7 +135,7 @@ void announce(const Options& options, livegs::GrpcServer& server, const livegs::
   for (const std::string& url : link.urls()) std::fprintf(stderr, "  %s\n", url.c_str());
   if (!security || link.urls().empty()) return;
   std::fputs(livegs::qr_text(link.urls(0)).c_str(), stderr);
-  std::fprintf(stderr, "  It warns of the certificate, whose SHA-256 fingerprint is\n  %s\n",
+  std::fprintf(stderr, "  The browser warns about the certificate. Its SHA-256 fingerprint is\n  %s\n",
                link.fingerprint().c_str());
 }
 
@@ -163,7 +163,7 @@ std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>
 
 int run(const Options& options) {
   using namespace livegs;
-  // A range check lets NaN through.
+  // A range check accepts NaN.
   if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz.value_or(1.0)) ||
       !std::isfinite(options.client_mbit_s.value_or(1.0))) {
     return report(invalid_argument("--seconds, --rate, --client-mbit-s: must be finite numbers"));
@@ -318,23 +318,23 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--state-dir", options.state_dir,
                  "Folder of the certificate and the tokens (default: $XDG_STATE_HOME/livegs)");
-  auto* certificate = app.add_option("--certificate", options.certificate,
-                                     "PEM file of a certificate that browsers trust, with those of its "
-                                     "issuers (default: a self-signed one, "
-                                     "of which browsers warn)")
-                          ->check(CLI::ExistingFile);
-  certificate->needs(app.add_option("--key", options.key, "PEM file of its key")
+  auto* certificate =
+      app.add_option("--certificate", options.certificate,
+                     "PEM file of a certificate that browsers trust, with the certificates of "
+                     "its issuers (default: a self-signed certificate, which browsers "
+                     "warn about)")
+          ->check(CLI::ExistingFile);
+  certificate->needs(app.add_option("--key", options.key, "PEM file of the key of --certificate")
                          ->check(CLI::ExistingFile)
                          ->needs(certificate));
-  app.add_option(
-         "--allow-origin", options.allowed_origins,
-         "Site, as https://example.org, whose pages may show the scene by <livegs-view>; may be repeated "
-         "(default: none)")
+  app.add_option("--allow-origin", options.allowed_origins,
+                 "Origin, such as https://example.org, of pages that may embed the scene by <livegs-view>; "
+                 "may be repeated (default: none)")
       ->check(check_origin);
   app.add_option("--rate", options.rate_hz, "Ticks per second (default: set by the scene)")
       ->check(CLI::Range(1.0, 2000.0));
   app.add_flag("--drop", options.drop,
-               "Folder of assets: the objects fall onto the floor instead of standing on it");
+               "Folder of assets: drop the objects onto the floor instead of placing them on it");
   app.add_option("--substeps", options.substeps, "Substeps per tick (default: set by the scene)")
       ->check(CLI::Range(1, 1024));
   app.add_option("--threads", options.threads, "Simulation threads; 0: one per core")
@@ -401,7 +401,7 @@ int main(int argc, char** argv) {
       ->type_name("SECONDS");
   app.add_flag("--web-search", options.endpoint.web_search,
                "Allow one web search per object, if the endpoint supports it");
-  app.add_option("--views", options.views, "Views per object; with 3, the majority decides")
+  app.add_option("--views", options.views, "Views per object; the answers to 3 views are combined by vote")
       ->check(CLI::IsMember({1, 3}));
   app.add_flag("--offline", options.endpoint.offline, "Disable the language model");
   app.add_flag("--verbose", options.verbose, "Log simulation statistics every second");

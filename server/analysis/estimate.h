@@ -47,7 +47,7 @@ struct ObjectFacts {
   AppearanceFacts appearance;
   bool scale_known = false;  // metric, not guessed
   bool solid = false;        // given as a volume (a shape, a list of points), not captured from outside
-  // Of a captured object; null: it is not divided into parts by its looks.
+  // Kernels of a captured object; null: the object is not divided by its appearance.
   std::shared_ptr<const SurfaceKernels> kernels;
 };
 

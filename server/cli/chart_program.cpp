@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `livegs chart` runs livegs-chart, which stands next to this program if the study was built (LIVEGS_STUDY).
+// `livegs chart` runs livegs-chart, which is in the folder of this program if the study was built
+// (LIVEGS_STUDY).
 #include <unistd.h>
 
 #include <cerrno>

@@ -10,7 +10,7 @@ void add_device_option(CLI::App& command, std::string& choice) {
   command
       .add_option(
           "--device", choice,
-          "Where pictures are drawn: auto (a GPU if there is one), cpu, or vulkan (also a software device)")
+          "Device that draws pictures: auto (a GPU if there is one), cpu, or vulkan (also a software device)")
       ->check(CLI::IsMember({"auto", "cpu", "vulkan"}))
       ->type_name("DEVICE")
       ->capture_default_str();

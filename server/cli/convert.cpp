@@ -84,11 +84,11 @@ void add_convert(CLI::App& app, int& exit_code) {
                    "Up axis of the input, one of x, -x, y, -y, z, -z; it becomes -y, the up axis of assets")
       ->type_name("AXIS")
       ->default_str("that of the file, else -y");
-  command->add_option("--scale", options->scale, "Factor of all sizes and positions")
+  command->add_option("--scale", options->scale, "Factor on all sizes and positions")
       ->type_name("FACTOR")
       ->capture_default_str();
   command->add_flag("--metric", options->metric,
-                    "The result is in metres. Without it a unit that was unknown stays unknown");
+                    "Mark the result as metric; without this option, an unknown unit stays unknown");
   command->add_flag("--with-origin", options->with_origin,
                     "Add the origin that was subtracted, and write positions as doubles (.ply)");
   add_activated_flag(*command, options->activated);

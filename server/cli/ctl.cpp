@@ -209,7 +209,7 @@ void print_link(const v1::BrowserLink& link) {
   if (::isatty(STDOUT_FILENO) != 0 && link.urls_size() > 0) std::fputs(qr_text(link.urls(0)).c_str(), stdout);
   if (!link.code().empty())
     std::printf(
-        "The link is valid once, for %.0f minutes. The browser warns of the certificate; its fingerprint "
+        "The link is valid once, for %.0f minutes. The browser warns about the certificate. Its fingerprint "
         "is\n%s\n",
         link.valid_s() / 60, link.fingerprint().c_str());
 }
@@ -360,8 +360,9 @@ void add_ctl(CLI::App& app, int& exit_code) {
   replayed->add_flag("--verify", options->replaying.verify,
                      "Simulate the recording again and compare all frames bit by bit; exit code 0 if equal");
   replayed
-      ->add_option("--scene", options->replaying.folder,
-                   "Folder of the scene's files, if they are neither in the recording nor at their old path")
+      ->add_option(
+          "--scene", options->replaying.folder,
+          "Folder of the scene's files, if they are neither in the recording nor at their original path")
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
 

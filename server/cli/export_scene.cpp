@@ -82,7 +82,7 @@ void add_options(CLI::App& command, SceneExport& options, bool required, const c
   command.add_option("OUT", options.output, output)->required(required);
   command
       .add_option("--recording", options.recording,
-                  "A *.lvgrec of this scene with its assets; its motion becomes an animation")
+                  "Recording (*.lvgrec) of this scene with its assets; the motion is written as an animation")
       ->check(CLI::ExistingFile)
       ->type_name("FILE");
 }
@@ -101,17 +101,16 @@ void add_export_scene(CLI::App& command, int& exit_code) {
              any = std::make_shared<SceneExport>();
   gltf->format = "gltf";
   usd->format = "usd";
-  CLI::App* one = command.add_subcommand("gltf", "A scene with its physics as glTF 2.0");
+  CLI::App* one = command.add_subcommand("gltf", "Write a scene with its physics as glTF 2.0");
   add_options(*one, *gltf, true, "A .glb, a .gltf (with a .bin next to it), or a folder");
   add_spz(*one, *gltf);
   one->callback([gltf, run] { run(*gltf); });
-  one = command.add_subcommand("usd", "A scene with its physics as text of OpenUSD");
+  one = command.add_subcommand("usd", "Write a scene with its physics as OpenUSD text");
   add_options(*one, *usd, true, "A .usda, or a folder");
   one->callback([usd, run] { run(*usd); });
 
   add_options(command, *any, false, "File or folder to write");
-  command.add_option("--format", any->format, "Format of SCENE in OUT")
-      ->check(CLI::IsMember({"gltf", "usd"}));
+  command.add_option("--format", any->format, "Format of OUT")->check(CLI::IsMember({"gltf", "usd"}));
   add_spz(command, *any);
   command.callback([any, run, &command, &exit_code] {
     if (!command.get_subcommands().empty()) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// livegs export web: a recording as a static page. The page's worker plays film.bin and film.json, whose form
-// is described in client/web/page/player.js.
+// livegs export web: writes a recording as a static page. The worker of the page plays film.bin and
+// film.json. client/web/page/player.js describes their form.
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -47,7 +47,7 @@ class Film {
     if (keys_.empty() && !tick.key) return {};
     if (keys_.empty()) first_ns_ = drivers->simulated_ns;
     const double at_s = seconds_from_ns(drivers->simulated_ns - first_ns_);
-    // Events have a record of their own, which a jump to a key leaves out: the key lists all objects.
+    // Events have a record of their own. A jump to a key skips it, because the key lists all objects.
     if (events_.events_size() > 0) append(at_s, events_);
     events_.Clear();
     if (tick.key) {
@@ -139,13 +139,13 @@ Result<void> export_web(const std::filesystem::path& recording, const std::files
     if (!taken) return invalid_data(recording.string() + ": " + taken.error().message);
   }
   if (film.empty())
-    return invalid_data(recording.string() + ": has no frames; record without the option for inputs only");
+    return invalid_data(recording.string() + ": has no frames; record again without --record-inputs-only");
   std::map<std::string, std::vector<std::byte>> assets;  // read first, so that a failure leaves no files
   for (const std::string& hash : film.assets()) {
     const auto asset = reader->asset(hash);
     if (!asset)
       return invalid_data(recording.string() + ": asset " + shown_line(hash.substr(0, 12)) +
-                          " is not in it; record with assets (--record-assets)");
+                          " is missing; record again with --record-assets");
     auto stored = store_blocks(*asset);
     if (!stored) return invalid_data(recording.string() + ": " + stored.error().message);
     assets[hash] = std::move(*stored);
@@ -173,7 +173,7 @@ void add_export(CLI::App& app, int& exit_code) {
   };
   const auto options = std::make_shared<Options>();
   auto* web = command->add_subcommand(
-      "web", "A static page that plays a recording without a server, for any web site");
+      "web", "Write a static page that plays a recording without a server, for any web site");
   web->add_option("RECORDING", options->recording, "A *.lvgrec file with its assets")
       ->required()
       ->check(CLI::ExistingFile);

@@ -149,7 +149,7 @@ int run(const FractureCommand& options) {
 
 void add_fracture(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<FractureCommand>();
-  CLI::App* command = app.add_subcommand("fracture", "Cut an asset into the pieces that it would break into");
+  CLI::App* command = app.add_subcommand("fracture", "Cut an asset into the pieces of its fracture");
   command->add_option("ASSET", options->asset, "Splat asset")->required();
   command
       ->add_option("--output", options->output, "Folder for pictures of the pieces, assembled and separated")

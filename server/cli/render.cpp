@@ -160,7 +160,7 @@ void add_render(CLI::App& app, int& exit_code) {
       ->type_name("R G B")
       ->expected(3);
   command->add_flag("--no-shadows", options->no_shadows,
-                    "Draw no contact and soft shadows under the objects of a scene");
+                    "Draw the objects of a scene without contact and soft shadows");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

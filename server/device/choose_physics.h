@@ -10,18 +10,17 @@
 
 namespace livegs {
 
-// Of the option --physics.
+// Values of the option --physics.
 inline const std::vector<std::string> kPhysicsChoices = {"auto", "cpu", "vulkan"};
 inline constexpr const char* kPhysicsHelp =
-    "Where elastic bodies that nothing touches are stepped: auto (the cheaper of the CPU and a GPU), cpu, or "
-    "vulkan (also a software device)";
+    "Device that steps isolated elastic bodies: auto (the cheaper of the CPU and a GPU), cpu, or vulkan "
+    "(also a software device)";
 
 // Where elastic bodies are stepped, for set_elastic_device:
 //   cpu     null
 //   vulkan  on the best Vulkan device, also a software one; Unavailable, with the remedy, if there is none
-//   auto    null without a GPU; with one, each tick runs where it is predicted to be cheaper (elastic_cost.h;
-//           the model is kept in the user's cache folder)
-// Logs the choice in one line.
+// auto    null without a GPU; with one, each tick runs on the device if its predicted cost is lower
+// (elastic_cost.h; the model is stored in the user's cache folder) Logs the choice in one line.
 Result<std::shared_ptr<ElasticDevice>> choose_physics(const std::string& choice);
 
 }  // namespace livegs

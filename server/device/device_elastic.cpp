@@ -24,7 +24,7 @@ vec4 row_of(const Eigen::Vector3d& v, double w = 0.0) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),
           static_cast<float>(w)};
 }
-// What a float leaves out of a double. GCC 12 would vectorise the two conversions away.
+// Part of a double below the precision of a float. GCC 12 would vectorise the two conversions away.
 float rest_of(double value) {
   volatile const float high = static_cast<float>(value);
   return static_cast<float>(value - static_cast<double>(high));
@@ -507,8 +507,7 @@ void DeviceElastic::Fleet::report(std::span<const DeviceBody> bodies) {
   size_t here = 0;
   for (const DeviceBody& one : bodies) here += !one.reason;
   if (here > 0 && reported.insert("").second)
-    log_info("physics: %zu of %zu elastic bodies that nothing touches are stepped on the device", here,
-             bodies.size());
+    log_info("physics: %zu of %zu isolated elastic bodies are stepped on the device", here, bodies.size());
   for (const DeviceBody& one : bodies) {
     if (one.reason && reported.insert(one.reason).second)
       log_info("physics: an elastic body is stepped on the CPU: %s", one.reason);

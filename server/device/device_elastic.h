@@ -14,7 +14,7 @@ namespace livegs {
 
 // Steps elastic bodies of the `cells` solver by the passes of passes/elastic_passes.h. The lattices of the
 // bodies are uploaded when a body or its lattice changes, their state at the start of each tick. All steps of
-// a tick are recorded, run and read together. The result has the same bits for every run on one backend.
+// a tick are recorded and submitted together. The result has the same bits for every run on one backend.
 class DeviceElastic final : public ElasticDevice {
  public:
   // Totals since the start.
@@ -26,8 +26,8 @@ class DeviceElastic final : public ElasticDevice {
     uint64_t lattice_uploads = 0;
   };
 
-  // `backend` must outlive the object. With `cost` a tick is only taken if it is predicted to be cheaper
-  // here.
+  // `backend` must outlive the object. With `cost`, a tick is stepped on the device only if its predicted
+  // cost is lower.
   explicit DeviceElastic(Backend& backend, std::optional<ElasticCost> cost = {});
   ~DeviceElastic() override;
 

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Builds a scene file or a folder of assets, as a run does, and takes its bodies as they are before the first
-// tick. Errors are those of Scene::load. Blocks until all bodies are built.
+// Builds a scene file or a folder of assets, as a run does, and collects its bodies in the state before the
+// first tick. Errors are those of Scene::load. Blocks until all bodies are built.
 //
 // Contact surfaces: exact for shapes; the collision mesh of a rigid capture. Captured elastic and static
 // bodies collide by particles and by a distance field; their surface is computed again from the same points.

@@ -16,8 +16,8 @@
 #include "livegs/v1/scene.pb.h"
 #include "skin/rest_body.h"
 
-// A scene as other programs take it: bodies with splats, mass, contact surfaces, joints and motion, in the
-// state before the first tick. Both formats are written from it and read into it. SI units, right-handed, +Y
+// A scene in the form for other programs: bodies with splats, mass, contact surfaces, joints and motion, in
+// the state before the first tick. The writers and readers of both formats use it. SI units, right-handed, +Y
 // up. Plain values; any thread.
 
 namespace livegs {
@@ -42,7 +42,7 @@ struct PortableElastic {
   double damping = 0;                // loss factor
   v1::ElasticAccuracy accuracy;      // cells, substeps and the stiffness that LiveGS reaches
   std::vector<v1::Region> regions;
-  // Of RestBody: object_from_lattice, cell_width_m, node_coordinates, cells and cell_fills.
+  // Fields of RestBody: object_from_lattice, cell_width_m, node_coordinates, cells and cell_fills.
   RestBody lattice;
 };
 // Its numbers, by the names of both formats.
@@ -61,7 +61,7 @@ struct PortableBody {
   std::string name;  // any text; unique among bodies
   v1::Physics::Behavior behavior = v1::Physics::STATIC;
   bool hidden = false;
-  bool drawn_only = false;  // the background, and things that only a recording has: no mass, no contact
+  bool drawn_only = false;  // the background, and objects that exist only in a recording: no mass, no contact
   Pose world_from_object;
   // World frame, of the centre of mass.
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
@@ -116,7 +116,7 @@ struct PortableScene {
   std::vector<PortableShape> fixed;  // contact surfaces of the surroundings; owner: the world
   std::vector<PortableJoint> joints;
   std::optional<PortableAnimation> animation;
-  std::vector<std::string> notes;  // what could not be taken, one line each
+  std::vector<std::string> notes;  // about data that could not be converted, one line each
 };
 
 // The poses of the axes x of a joint and of its point, in the frame of its first body: the frame of the

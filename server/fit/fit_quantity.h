@@ -13,7 +13,7 @@
 
 namespace livegs {
 
-// What is found from motion: fields of Physics.
+// Fields of Physics that a fit finds from motion.
 enum class FitQuantity { YoungsModulus, Damping, Mass, Friction, Restitution };
 
 // Names on the command line and in reports, in the order of the enum.
@@ -42,19 +42,19 @@ struct FitParameter {
   std::string object;
   FitQuantity quantity = FitQuantity::YoungsModulus;
   bool asked = true;  // false: varied only because its uncertainty widens the range of others
-  // Before the video: the value and the standard deviation of its logarithm.
+  // Prior: the value and the standard deviation of its logarithm.
   double before = 0, before_sd = 0;
-  std::string source;              // of the value before: source_name() (physics_values.h)
+  std::string source;              // of the prior value: source_name() (physics_values.h)
   double lowest = 0, highest = 0;  // limits of the search
 };
 
-// The parameters of an object for the quantities that are asked for; empty: the default of its body,
-// youngs_modulus_pa and damping of an elastic one, friction and restitution of a rigid one. The mass of an
-// object joins them if it is only estimated. Fails for a quantity that the body does not have.
+// Returns the parameters of an object for the requested quantities. Empty: the default of the body, which is
+// youngs_modulus_pa and damping if it is elastic, friction and restitution if it is rigid. An estimated mass
+// is added. Fails for a quantity that the body does not have.
 Result<std::vector<FitParameter>> fit_parameters(const SceneObject& object,
                                                  std::span<const FitQuantity> asked);
 
-// Writes a value into the object of a scene; what contradicts it there is removed.
+// Writes a value into the object of a scene and removes contradicting values.
 void set_quantity(v1::Object& object, FitQuantity quantity, double value);
 
 }  // namespace livegs

@@ -12,11 +12,11 @@ namespace livegs {
 
 // Paths of surface points in the picture of one camera.
 struct PointTracks {
-  // Of the frames, seconds of the scene, increasing. The first is the time at which the points are placed on
-  // the surface.
+  // Times of the frames, seconds of the scene, increasing. The first is the time at which the points are
+  // placed on the surface.
   std::vector<double> times_s;
-  // Point-major: [point * times_s.size() + frame], pixels as Camera has them; NaN where a point is not seen.
-  // Every point is seen in the first frame.
+  // Point-major: [point * times_s.size() + frame], pixels as Camera has them; NaN where a point is not
+  // visible. Every point is seen in the first frame.
   std::vector<Eigen::Vector2d> positions_px;
 
   size_t frames() const { return times_s.size(); }
@@ -26,7 +26,8 @@ struct PointTracks {
   }
 };
 
-// More would not narrow a range but take time: 400 points are about 20 px apart on an object of 400 x 400 px.
+// More points take longer without narrower ranges: 400 points are about 20 px apart on an object of 400 x 400
+// px.
 inline constexpr size_t kMaxTrackedPoints = 4000;
 inline constexpr size_t kMaxTrackedFrames = 4000;
 

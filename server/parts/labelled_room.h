@@ -14,8 +14,8 @@
 namespace livegs {
 
 // A captured room whose kernels are cut at the borders of its things. Each kernel has a label: the number of
-// its thing, 0 for the room itself, and a kind in the two highest bits. What was decided is in the labels, so
-// a room with any of its things taken can be made again, with the same bits.
+// its thing, 0 for the room itself, and a kind in the two highest bits. The labels contain all decisions. The
+// room with any of its things taken can be computed again from them, with the same bits.
 struct LabelledRoom {
   GaussianAsset asset;
   std::vector<uint16_t> label;
@@ -25,22 +25,22 @@ enum class KernelKind : uint16_t {
   Own = 0,             // of the room or the thing
   Covered = 0x4000,    // of the room, below or in the shade of the thing: drawn until it is taken
   Fill = 0x8000,       // drawn in the room once the thing is taken
-  Underside = 0xc000,  // of the thing, where it stood; never drawn in the room
+  Underside = 0xc000,  // of the thing, below its place; never drawn in the room
 };
 inline KernelKind kind_of(uint16_t label) { return static_cast<KernelKind>(label & ~kThingMask); }
 inline uint16_t label_of(KernelKind kind, uint16_t thing) {
   return static_cast<uint16_t>(static_cast<uint16_t>(kind) | thing);
 }
 
-// Splits the kernels across the borders of the parts, and adds what is drawn in place of each thing and below
-// it (separate/fill_behind.h). After a stop request the result is incomplete.
+// Splits the kernels across the borders of the parts, and adds the fill and the underside of each thing
+// (separate/fill_behind.h). After a stop request the result is incomplete.
 LabelledRoom label_room(const GaussianAsset& asset, const RoomParts& parts, const std::stop_token& stop = {});
 
 // The room without some of its things, and with their fills; kernels keep their order. `kept`, if given, gets
 // the index of each kernel in the labelled room.
 GaussianAsset room_without(const LabelledRoom& room, std::span<const uint32_t> taken,
                            std::vector<uint32_t>* kept = nullptr);
-// The kernels of one thing, with its underside.
+// The kernels of one thing, including its underside.
 GaussianAsset thing_alone(const LabelledRoom& room, uint16_t thing);
 
 // NAME.labels has the labels ("LGSLAB1\n", the count as u64, one u16 per kernel, little-endian) and NAME.ply

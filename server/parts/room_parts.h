@@ -15,10 +15,9 @@
 #include "splat/camera.h"
 
 // Finds the things in a captured room without masks or networks: depth from views, large planes, connected
-// voxels above them, and labels lifted to the kernels by alpha times transmittance.
-//
-// The frame and the unit of length are those of the asset; lengths are written _m. All sizes follow from the
-// footprint of a pixel on the surfaces, so the unit does not matter. Any thread; deterministic.
+// voxels above them, and labels lifted to the kernels by alpha times transmittance. The frame and the unit of
+// length are those of the asset; names of lengths end in _m. All sizes follow from the footprint of a pixel
+// on the surfaces, so results do not depend on the unit. Any thread; deterministic.
 
 namespace livegs {
 
@@ -27,7 +26,7 @@ inline constexpr size_t kMaxParts = 4000;
 
 struct PartsOptions {
   Eigen::Vector3d up{0, -1, 0};  // unit, within 20 degrees of the vertical
-  // Cameras of the photos. Empty: views are chosen by what they see.
+  // Cameras of the photos. Empty: views are chosen by the kernels in sight.
   std::vector<Camera> cameras;
   size_t max_views = 48;  // of the cameras, evenly taken, or of chosen views
   int view_width = 320;   // px; larger cameras are scaled down to it. The unit of all sizes is a pixel
@@ -58,7 +57,7 @@ struct RoomParts {
 };
 
 // Fails with InvalidArgument or InvalidData if nothing can be found: a splat of a few kernels, or one in
-// which no surface is seen. A room with nothing in it has no parts.
+// which no surface is visible. A room without things has no parts.
 Result<RoomParts> find_parts(const GaussianAsset& asset, const PartsOptions& options);
 
 // Lifts label pictures of some views: the label with the largest sum of alpha times transmittance. Kernels

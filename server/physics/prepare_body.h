@@ -4,9 +4,9 @@
 #include "physics/elastic_body.h"
 #include "physics/world.h"
 
-// What a body needs from its form alone, computed before it is added: in parallel, and once for bodies that
-// are added again, as when a scene is reset. Bodies without it compute it when they are added, with the same
-// result.
+// Data that depend only on the form of a body, computed before it is added: in parallel, and once for bodies
+// that are added again, as when a scene is reset. Bodies without it compute it when they are added, with the
+// same result.
 
 namespace livegs {
 

@@ -24,7 +24,7 @@ using tcp = asio::ip::tcp;
 using boost::system::error_code;
 using std::chrono::seconds;
 
-// A request, from its first byte, and an answer. A slower client loses its connection.
+// Time limits of a request, from its first byte, and of an answer. A slower client is disconnected.
 inline constexpr seconds kRequestTimeout{5}, kAnswerTimeout{30};
 // Between two requests on one connection.
 inline constexpr seconds kIdleTimeout{60};

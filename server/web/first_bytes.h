@@ -17,11 +17,11 @@ enum class FirstProtocol : uint8_t {
   WebTls,     // HTTP/1.1 over TLS
 };
 
-// The protocol of a connection by the first bytes from its client. One port serves gRPC and browsers: clients
-// of gRPC offer only h2 in the ALPN extension (RFC 7301) of their ClientHello (RFC 8446, section 4.1.2),
-// browsers also or only http/1.1. A ClientHello without ALPN is a simple client of HTTP. In the clear, HTTP/2
-// begins with "PRI * HTTP/2.0" (RFC 9113, section 3.4). Anything else is Grpc, which refuses it. Accepts any
-// bytes; pure function.
+// Returns the protocol of a connection by the first bytes from its client. One port serves gRPC and browsers.
+// Clients of gRPC offer only h2 in the ALPN extension (RFC 7301) of their ClientHello (RFC 8446, section
+// 4.1.2). Browsers offer also or only http/1.1. A ClientHello without ALPN is from a simple HTTP client. In
+// the clear, HTTP/2 begins with "PRI * HTTP/2.0" (RFC 9113, section 3.4). All other bytes are classified as
+// Grpc, which refuses them. Accepts any bytes; pure function.
 FirstProtocol first_protocol(std::span<const std::byte> first);
 
 }  // namespace livegs

@@ -68,7 +68,7 @@ inline bool is_loopback(std::string_view host) {
 }
 
 // Whether the request comes from a page of this server, or from no page. Without tokens, the host must also
-// be this machine by name, so that a page of another site whose name leads here (DNS rebinding) is refused.
+// be a local name. This prevents DNS rebinding, in which the name of another site resolves to this machine.
 // `any_origin`: the request may come from a page of another site.
 inline bool from_own_origin(const Request& request, bool secure, bool any_origin) {
   const std::string_view host = view_of(request[http::field::host]);
@@ -145,7 +145,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     send_text(http::status::method_not_allowed, "method: is not served here\n");
   }
 
-  // A browser that was given http:// for a port with TLS.
+  // Redirects a browser that used http:// on a port with TLS.
   void redirect(const Request& request, const std::string& target) {
     http::response<http::empty_body> response{http::status::permanent_redirect, version_};
     response.set(http::field::location,

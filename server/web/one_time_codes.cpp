@@ -45,7 +45,7 @@ Result<void> OneTimeCodes::use(std::string_view code) {
   if (code_.empty() || clock_() - created_ns_ > kOneTimeCodeLifetime_ns) {
     code_.clear();
     return Error{ErrorCode::PermissionDenied,
-                 "code: is used or has expired; get another from the server with livegs ctl link"};
+                 "code: was used before or has expired; get another from the server with livegs ctl link"};
   }
   if (letters.size() == kLength && CRYPTO_memcmp(letters.data(), code_.data(), kLength) == 0) {
     code_.clear();

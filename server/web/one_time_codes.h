@@ -11,12 +11,12 @@
 
 namespace livegs {
 
-// Lifetime of a one-time code, and wrong tries after which it is dead. A code has 8 of 32 letters and digits
-// (40 bits): five tries guess it with a probability of 5e-12.
+// Lifetime of a one-time code, and wrong tries after which it is invalid. A code has 8 of 32 letters and
+// digits (40 bits): five tries guess it with a probability of 5e-12.
 inline constexpr int64_t kOneTimeCodeLifetime_ns = 600'000'000'000;
 inline constexpr int kMaxCodeTries = 5;
 
-// The one-time code that a user carries from the server to a browser, by link, by QR code or by hand. At most
+// The one-time code that a user transfers from the server to a browser, by link, QR code or keyboard. At most
 // one is valid at a time. Any thread.
 class OneTimeCodes {
  public:
@@ -25,8 +25,8 @@ class OneTimeCodes {
 
   // A new code; an earlier one is no longer valid. Internal if the system has no random numbers.
   Result<std::string> create();
-  // Whether `code` is the valid one, which it then no longer is. Case, spaces and hyphens do not count.
-  // PermissionDenied otherwise; the message has the remedy.
+  // Checks a code. A valid code is used up. Case, spaces and hyphens are ignored. PermissionDenied otherwise;
+  // the message has the remedy.
   Result<void> use(std::string_view code);
 
  private:

@@ -17,7 +17,7 @@ struct PageFile {
   bool named_by_content() const { return path != name; }
 };
 
-// What the page may load and run. A server adds who may frame it.
+// Content security policy of the page. A server adds the origins that may embed it in a frame.
 inline constexpr std::string_view kPagePolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; "
     "style-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'";

@@ -16,9 +16,8 @@ namespace livegs::web {
 inline constexpr int kFirstCloseCode = 4000;
 inline constexpr size_t kMaxCloseReason = 120;  // RFC 6455, section 5.5: 123 bytes
 
-// A WebSocket that is a Stream RPC: one message of a browser is one message of the RPC, and the other way
-// round. One message each way is on its way at a time, so that a slow browser stops the server's writing as a
-// slow gRPC client does.
+// Connects a WebSocket to a Stream RPC. Each message of one side is one message of the other. At most one
+// message is in transit in each direction, so a slow browser throttles the server as a slow gRPC client does.
 class SocketBridge final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                            public std::enable_shared_from_this<SocketBridge>,
                            public Shared::Open {
@@ -124,7 +123,7 @@ class SocketBridge final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc
   beast::flat_buffer buffer_;
   std::string message_;
   std::shared_ptr<SocketBridge> call_;  // gRPC's reference, released after OnDone
-  bool writing_ = false;                // a message is on its way to the call
+  bool writing_ = false;                // a message is in transit to the call
   bool writing_ended_ = false, reading_ended_ = false, ended_ = false;
 };
 

@@ -19,12 +19,12 @@ namespace livegs {
 // Limits of one request, bytes. A larger one ends its connection.
 inline constexpr size_t kMaxWebHeaderBytes = 16u << 10, kMaxWebBodyBytes = 64u << 10;
 
-// One asset on its way to a browser. Used by one thread.
+// Transfer of one asset to a browser. Used by one thread.
 class WebFetch {
  public:
   virtual ~WebFetch() = default;
   virtual std::span<const std::byte> bytes() const = 0;  // proto/asset_format.md
-  // The bytes that may be sent now, or none and the time after which to ask again.
+  // The bytes that may be sent now, or none and the time until the next call.
   struct Turn {
     size_t bytes = 0;
     int64_t wait_ns = 0;
@@ -32,7 +32,7 @@ class WebFetch {
   virtual Turn take_turn(size_t max_bytes) = 0;
 };
 
-// What the web server needs of the server. Called on the web server's thread.
+// Functions of the server that the web server calls, on the thread of the web server.
 class WebBackend {
  public:
   virtual ~WebBackend() = default;
@@ -48,8 +48,8 @@ class WebBackend {
 };
 
 // HTTP/1.1 and WebSocket for browsers: the page, assets, RPCs as POST requests, and the Stream RPC as a
-// WebSocket whose messages have the bytes of gRPC. See server/web/README.md. Sockets come from the door,
-// which shares the port with gRPC. All work is done on one thread of its own.
+// WebSocket whose messages have the bytes of gRPC. See server/web/README.md. Sockets come from the
+// ConnectionLimiter, which shares the port with gRPC. All work is done on an internal thread.
 class WebServer {
  public:
   // With TLS if the PEM texts are not empty. `backend` must outlive close(). InvalidData for an unusable

@@ -15,7 +15,7 @@
 #include "web/coded_assets.h"
 #include "web/web_server.h"
 
-// Internal to web_server.cpp: what all connections share.
+// Internal to web_server.cpp: state shared by all connections.
 
 namespace livegs::web {
 
@@ -49,7 +49,7 @@ struct Shared {
   CodedAssets assets;
   std::vector<std::string> origins;  // allow_origins()
   bool closing = false;              // on the io thread
-  // A connection, which is ended at shutdown. Its last owner may be a thread of gRPC.
+  // A connection. It is closed at shutdown. Its last owner may be a thread of gRPC.
   struct Open {
     virtual void end() = 0;
     virtual ~Open() = default;

@@ -12,7 +12,7 @@ namespace livegs {
 
 struct LooksDivision {
   bool divided = false;
-  std::string reason;  // why it was divided there, or why the object counts as one part
+  std::string reason;  // for the border, or for a single part
 };
 
 // Divides an object whose class has parts at usual places (ObjectPart::place), by colour, width and

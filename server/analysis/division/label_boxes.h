@@ -8,7 +8,7 @@
 
 namespace livegs {
 
-// Points with a label each; label kNoLabel says nothing about its point.
+// Points with a label each; points with kNoLabel are ignored.
 inline constexpr uint8_t kNoLabel = 255;
 struct LabelledPoints {
   std::span<const Eigen::Vector3f> positions_m;
@@ -21,8 +21,8 @@ Eigen::AlignedBox3d bounds_without_strays(const LabelledPoints& points, std::spa
 
 // Boxes that separate the labels: the leaves of a decision tree with axis-parallel cuts (Breiman et al. 1984,
 // CART), each as far as its own points reach. The label with the most leaves, or the largest of as many, has
-// no boxes: it is all the rest. Boxes of different labels do not overlap. At most 12 in all; a label without
-// points has none. Deterministic.
+// no boxes: it has the remaining volume. Boxes of different labels do not overlap. At most 12 in all; a label
+// without points has none. Deterministic.
 std::vector<std::vector<Eigen::AlignedBox3d>> label_boxes(const LabelledPoints& points, size_t label_count);
 
 }  // namespace livegs

@@ -20,7 +20,7 @@ namespace livegs {
 // Cells along the longer side of a picture: the precision of boxes, 0.4 %. All cells fit 16 bits.
 inline constexpr int kSightCells = 250;
 
-// What one picture shows of an object.
+// Kernels of an object that one picture shows.
 struct PictureSights {
   struct Seen {
     uint32_t kernel;  // index in SurfaceKernels
@@ -43,14 +43,14 @@ struct BoxedPart {
   bool inside = false;
 };
 
-// Votes of each kernel for each part, [part][kernel]. Where boxes overlap, the smallest one counts. What is
-// in no box counts for the first part that has no boxes and is not enclosed; for no part if there is none.
+// Votes of each kernel for each part, [part][kernel]. Where boxes overlap, the smallest one counts. Pixels
+// outside of all boxes count for the first part without boxes that is not enclosed, if there is one.
 std::vector<std::vector<float>> picture_votes(std::span<const PictureSights> pictures,
                                               std::span<const BoxedPart> parts, size_t kernel_count);
 
-// Divides an object by votes: the part with most of a kernel's votes has it; unseen kernels follow from the
-// boxes. `holder` as for place_parts(). Returns why it was divided or
-// counts as one part: too few seen kernels, a part that is hardly seen, or parts that boxes do not separate.
+// Divides an object by votes. A kernel belongs to the part with most of its votes; boxes decide for unseen
+// kernels. `holder` as for place_parts(). Returns the reason for the division or for a single part: too few
+// seen kernels, a part that is hardly visible, or parts that boxes do not separate.
 struct VotedDivision {
   bool divided = false;
   std::string reason;

@@ -60,7 +60,7 @@ Eigen::Vector3d rounded_corner(const Eigen::Vector3d& corner_m, double size_m) {
 void place_parts(const SurfaceKernels& kernels, std::span<const uint8_t> labels,
                  std::span<const std::optional<PartHolder>> holder, MaterialParts& parts) {
   const size_t count = static_cast<size_t>(parts.size());
-  // What is enclosed gets its own box below; its kernels belong to the holder while the boxes are cut.
+  // Enclosed parts get their boxes below. Their kernels belong to the holder while the boxes are cut.
   std::vector<uint8_t> outside(labels.begin(), labels.end());
   for (uint8_t& label : outside) {
     if (label < count && holder[label]) label = static_cast<uint8_t>(holder[label]->part);

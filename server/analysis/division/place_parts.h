@@ -13,7 +13,7 @@ namespace livegs {
 // The part that encloses another one, such as the pot of its soil.
 struct PartHolder {
   size_t part = 0;
-  bool open = false;  // above: what is inside reaches to its top
+  bool open = false;  // above: enclosed parts reach to its top
 };
 
 // Gives parts their boxes by a label per kernel (label_boxes.h). The box of an enclosed part is that of its

@@ -65,7 +65,7 @@ Guess guess_by_name(const ObjectClasses& kinds, const ObjectFacts& facts) {
   return guess;
 }
 
-// The middle, by stiffness, of the materials of the likely classes that do not break: what is least wrong if
+// The median, by stiffness, of the materials of the likely classes that do not break: the smallest error if
 // nothing speaks for one of them.
 const MaterialRow* middle_material(const ObjectClasses& kinds) {
   std::vector<std::pair<double, const MaterialRow*>> weights;  // sorted by stiffness below
@@ -121,7 +121,7 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
     if (const MaterialRow* middle = middle_material(kinds)) {
       guess.material = middle;
       guess.reason = format_text(
-          "unknown; %s is the middle of what unbreakable things of this size and shape are made of",
+          "unknown; %s is the median of the materials of unbreakable objects of this size and shape",
           middle->name.c_str());
     }
   }

@@ -35,7 +35,7 @@ Spread spread_of(const Span3& span) {
           std::log(span.high / span.best) / kRangeEnd};
 }
 
-// Of a product of independent factors.
+// Spread of a product of independent factors.
 Spread product(const Spread& a, const Spread& b) {
   return {a.best_ln + b.best_ln, std::hypot(a.below_sd, b.below_sd), std::hypot(a.above_sd, b.above_sd)};
 }

@@ -174,7 +174,8 @@ Result<void> remove_edits(v1::Physics& edits, std::span<const std::string> field
   bool any = false;
   for (const std::string& name : fields) {
     const auto* field = v1::Physics::descriptor()->FindFieldByName(name);
-    if (!field) return invalid_argument("physics: \"" + shown_text(name, 60) + "\" is no field of Physics");
+    if (!field)
+      return invalid_argument("physics: \"" + shown_text(name, 60) + "\" is not a field of Physics");
     const auto& reflection = *v1::Physics::GetReflection();
     any = any ||
           (field->is_repeated() ? reflection.FieldSize(edits, field) > 0 : reflection.HasField(edits, field));

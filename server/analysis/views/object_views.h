@@ -39,7 +39,7 @@ struct ObjectView {
   // The whole target alone, filling the picture, over white: from the camera of the ring that shows the most
   // of the surface that `camera` does not show.
   Image cutout;
-  // What `outlined` and `cutout` show of each kernel; empty unless ViewOptions::sight_stride is set.
+  // Visible kernels of `outlined` and `cutout`; empty unless ViewOptions::sight_stride is set.
   std::vector<PictureSights> sights;
   double cutout_azimuth_rad = 0, cutout_elevation_rad = 0;  // as those below
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();       // centre of the target's bounds, world frame

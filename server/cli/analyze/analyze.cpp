@@ -382,14 +382,14 @@ void add_analyze(CLI::App& app, int& exit_code) {
                     "Allow one web search per object if the endpoint supports it (default: off)");
   command
       ->add_option("--views", options->views,
-                   "Number of questions per object, from different views; with 3 a vote decides")
+                   "Number of questions per object, from different views; 3 answers are combined by vote")
       ->check(CLI::IsMember({1, 3}));
   command->add_flag("--offline", options->endpoint.offline, "Do not call a model, even if one is configured");
   command->add_flag("--no-cache", options->no_cache, "Do not use cached answers");
-  command->add_option("--explain", options->explain,
-                      "Write one HTML page per object to this folder: views, prompt, raw answer, checks and "
-                      "values. Pages are "
-                      "NAME.html; bytes other than letters, digits, - and _ are percent-encoded");
+  command->add_option(
+      "--explain", options->explain,
+      "Write one HTML page per object to this folder: views, prompt, raw answer, checks and "
+      "values. Pages are NAME.html; bytes other than letters, digits, - and _ are percent-encoded");
   command->add_flag("--write", options->write, "Save the values next to the assets, as NAME.physics.json");
   CLI::Option* accept = command->add_option(
       "--accept", options->decision.accept,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `livegs capture`: photos to a scene of things that can be taken hold of. Poses, training and segmentation
-// in one command; the files of unfinished steps stay in DIR.work.
+// `livegs capture`: makes a scene from photos of a place. It finds poses, trains and segments in one command.
+// The files of unfinished steps stay in DIR.work.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -25,9 +25,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Poses are turned if no axis of their frame is this close to the vertical.
+// The frame of the poses is turned if none of its axes is this close to the vertical.
 constexpr double kMaxFrameTilt_deg = 10;
-// Without a known length: the median distance between cameras and what they see, m.
+// Assumed median distance between cameras and surfaces, m, if no length is known.
 constexpr double kAssumedDistance_m = 1.0;
 
 struct CaptureCommand {
@@ -92,7 +92,7 @@ int run(CaptureCommand command) {
     return report({ErrorCode::PermissionDenied, work.string() + ": cannot be created: " + error.message()});
   auto level = level_photos(command.photos, work);
   if (!level) {
-    // Bad photos leave nothing behind, but the log of a program that failed is kept.
+    // The work folder is removed after an error in the photos, but kept for the log of a failed program.
     if (!existed && level.error().code != ErrorCode::Unavailable) fs::remove_all(work, error);
     return report(level.error());
   }
@@ -128,7 +128,7 @@ int run(CaptureCommand command) {
     request.scale = kAssumedDistance_m / distance;
   const auto segmented = segment_room(std::move(asset->asset), request);
   if (!segmented) {
-    log_warn("%s: kept; look at it with livegs render, or put it into a scene as its environment",
+    log_warn("%s: the splat is kept; draw it with livegs render, or use it as the environment of a scene",
              splat.c_str());
     return report(segmented.error());
   }
@@ -139,8 +139,8 @@ int run(CaptureCommand command) {
   fs::remove_all(work, error);
   if (unknown) {
     log_warn(
-        "scale: unknown; %.3g m per unit assumes that the photos were taken %.3g m away. With the longest "
-        "side of one thing: livegs segment %s --cameras %s --known part_01=METRES -o DIR",
+        "scale: unknown, %.3g m per unit assumed for photos from %.3g m away; measure the longest side of "
+        "one thing, then run livegs segment %s --cameras %s --known part_01=METRES -o DIR",
         segmented->scale, kAssumedDistance_m, (output / "captured.ply").c_str(),
         (output / "transforms.json").c_str());
   }
@@ -156,26 +156,24 @@ void add_capture(CLI::App& app, int& exit_code) {
   TrainOptions& train = options->train.train;
   train.steps = 2000;
   train.max_kernels = 20'000;
-  CLI::App* command = app.add_subcommand(
-      "capture", "Make a scene of things that can be taken hold of from photos of a place");
+  CLI::App* command =
+      app.add_subcommand("capture", "Make a scene from photos of a place, with each thing as an object");
   command
-      ->add_option(
-          "PHOTOS", options->photos,
-          "Folder of photos, with transforms.json or a COLMAP model if there is one; else the program "
-          "colmap finds the poses")
+      ->add_option("PHOTOS", options->photos,
+                   "Folder of photos. Poses are read from transforms.json or a COLMAP model in it; if both "
+                   "are missing, the program colmap finds them")
       ->required()
       ->type_name("");
   command
-      ->add_option(
-          "--output,-o", options->segment.output,
-          "Output folder, new or empty: things, room, scene, page and the whole splat. DIR.work keeps "
-          "what is unfinished")
+      ->add_option("--output,-o", options->segment.output,
+                   "Output folder, new or empty: things, room, scene, page and the whole splat. DIR.work has "
+                   "the files of an unfinished run")
       ->required()
       ->type_name("DIR");
   add_train_options(*command, options->train);
   command
       ->add_option("--scale", options->scale,
-                   "Metres per unit of the poses (default: 1; if colmap finds them, a guess)")
+                   "Metres per unit of the poses (default: 1, or a guess if colmap finds the poses)")
       ->check(CLI::Range(1e-6, 1e6));
   command->add_flag("--resume", options->train.resume, "Continue an interrupted run from DIR.work");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -36,13 +36,13 @@ size_t count_photos(const fs::path& folder) {
   return count;
 }
 
-// Runs colmap with its output in `log`. Ctrl-C reaches it too, as it is in the same group.
+// Runs colmap with its output in `log`. Ctrl-C also ends colmap, which is in the same process group.
 Result<void> run_colmap(std::vector<std::string> words, const fs::path& log) {
   words.insert(words.begin(), "colmap");
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  // Qt looks for a display even where none is used.
+  // Qt requires a display even if none is used.
   std::string platform = "QT_QPA_PLATFORM=offscreen";
   std::vector<char*> environment;
   for (char** entry = environ; *entry != nullptr; ++entry)

@@ -52,28 +52,27 @@ void add_train(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("");
   command
-      ->add_option("--output,-o", run.output,
-                   "Output: a .ply or .spz file in the frame of the poses; the same name with .png shows a "
-                   "photo and the "
-                   "splat, with .checkpoint it keeps the state")
+      ->add_option(
+          "--output,-o", run.output,
+          "Output: a .ply or .spz file in the frame of the poses. Also written: a picture of a photo and the "
+          "splat, with the ending .png, and the state, with the ending .checkpoint")
       ->required()
       ->type_name("FILE");
   add_train_options(*command, run);
   command
       ->add_option("--shape", options->shape,
-                   "Shape loss: needle (no long kernels), anisotropy (no flat ones either) or none")
+                   "Shape loss: needle (against long kernels), anisotropy (also against flat ones) or none")
       ->check(CLI::IsMember({"needle", "anisotropy", "none"}))
       ->type_name("LOSS")
       ->capture_default_str();
-  command
-      ->add_option("--shape-limit", settings.shape.limit, "Ratio of axes up to which the shape has no loss")
+  command->add_option("--shape-limit", settings.shape.limit, "Largest ratio of axes without a shape loss")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
   command->add_option("--every", run.every, "Steps between a score, a picture and a checkpoint")
       ->check(CLI::Range(size_t{1}, kMaxTrainSteps))
       ->capture_default_str();
   command->add_option("--seed", settings.seed, "Seed of all random choices")->capture_default_str();
-  command->add_flag("--ignore-masked", settings.ignore_masked, "Pixels whose mask is 0 do not count");
+  command->add_flag("--ignore-masked", settings.ignore_masked, "Ignore pixels whose mask is 0");
   command->add_flag("--resume", run.resume, "Continue from the checkpoint of an interrupted run");
   command->callback([options, &exit_code] { exit_code = train(*options); });
 }

@@ -60,7 +60,7 @@ Result<std::pair<std::string, std::vector<FitQuantity>>> read_find(const std::st
   return wanted;
 }
 
-// The size of the camera is that of the video; of --tracks, that of the camera file.
+// The picture size of the camera is that of the video. With --tracks, it is that of the camera file.
 Result<FitRequest> request_of(const FitCommand& command) {
   FitRequest request;
   for (const std::string& text : command.find) {
@@ -194,30 +194,30 @@ void add_fit(CLI::App& app, int& exit_code) {
       "fit", "Find stiffness, damping, mass or friction of objects from a video of their motion");
   command
       ->add_option("SCENE", options->scene,
-                   "*.scene.json with what acts on the objects, as events and motions")
+                   "*.scene.json with the loads on the objects, as events and motions")
       ->required();
   CLI::Option* video =
-      command->add_option("--video", options->video, "Video of the motion, by a camera at rest");
-  CLI::Option* tracks = command
-                            ->add_option("--tracks", options->tracks,
-                                         "Paths of surface points in the picture instead: a CSV file with "
-                                         "the header point,time_s,x_px,y_px")
-                            ->excludes(video);
+      command->add_option("--video", options->video, "Video of the motion, from a camera at rest");
+  CLI::Option* tracks =
+      command
+          ->add_option("--tracks", options->tracks,
+                       "Instead of --video: CSV file of the paths of surface points in the picture, "
+                       "with the header point,time_s,x_px,y_px")
+          ->excludes(video);
   command
       ->add_option("--camera", options->camera,
                    "Camera file: position, target, field of view and size of the video")
       ->required();
   command->add_option(
       "--find", options->find,
-      "Object and quantities to find, such as hat=youngs_modulus_pa,damping; can be repeated. Default: the "
-      "only object that "
-      "moves, with youngs_modulus_pa and damping if it is elastic, else friction and restitution");
+      "Object and quantities to find, such as hat=youngs_modulus_pa,damping; may be repeated (default: the "
+      "only moving object, with youngs_modulus_pa and damping if it is elastic, else friction and "
+      "restitution)");
   command
-      ->add_option("--first-frame", options->first_frame_s,
-                   "Time of the scene at the first frame of the video, s")
+      ->add_option("--first-frame", options->first_frame_s, "Scene time at the first frame of the video, s")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  command->add_option("--max-seconds", options->max_seconds, "Length of the recording that is used")
+  command->add_option("--max-seconds", options->max_seconds, "Use only this length of the recording")
       ->check(CLI::Range(0.05, 60.0))
       ->capture_default_str();
   command

@@ -89,7 +89,7 @@ Image draw_assets(std::span<const GaussianAsset* const> assets, const Camera& ca
   return view.image;
 }
 
-// The view among those used in which the label has the most pixels.
+// Of the used views, the one with the most pixels of the label.
 const Camera& best_view(const RoomParts& parts, uint16_t label) {
   size_t best = 0, most = 0;
   for (size_t v = 0; v < parts.pictures.size(); ++v) {
@@ -100,7 +100,7 @@ const Camera& best_view(const RoomParts& parts, uint16_t label) {
   return parts.cameras[best];
 }
 
-// The thing where it stands, the room around it dimmed; next to it the room without it.
+// Two pictures side by side: the thing at its place in the dimmed room, and the room without it.
 Image thing_picture(const SegmentedRoom& room, const SegmentedThing& thing) {
   const Camera camera = with_width(best_view(room.parts, thing.part.label), kPictureWidth_px);
   std::vector<const GaussianAsset*> assets{&thing.asset};
@@ -133,14 +133,14 @@ std::string page_text(const SegmentedRoom& room) {
                 "background.\n\n",
                 room.things.size());
   page += line;
-  page += "Left: the thing where it stands. Right: the room without it.\n\n";
+  page += "Left: the thing at its place. Right: the room without it.\n\n";
   for (const SegmentedThing& thing : room.things) {
     const Eigen::Vector3d size = room.scale * thing.part.bounds_m.sizes();
     std::snprintf(
         line, sizeof line, "## %s\n\n%zu kernels, %.3g x %.3g x %.3g m%s%s%s\n\n![%s](%s.png)\n\n",
         thing.name.c_str(), thing.asset.size(), size.x(), size.y(), size.z(),
         thing.part.support ? ", stands on a support" : "", thing.part.wall ? ", touches a wall" : "",
-        thing.unfilled ? "; the room behind it was left open" : "", thing.name.c_str(), thing.name.c_str());
+        thing.unfilled ? "; the background was not filled" : "", thing.name.c_str(), thing.name.c_str());
     page += line;
   }
   page +=

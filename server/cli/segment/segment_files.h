@@ -16,10 +16,10 @@ struct SegmentedThing {
   std::string name;  // also of its files
   GaussianAsset asset;
   RoomPart part;
-  bool unfilled = false;  // nothing continues the room behind it
+  bool unfilled = false;  // the room behind it is not filled
 };
 struct SegmentedRoom {
-  GaussianAsset room;  // without the things, with what was behind them
+  GaussianAsset room;  // without the things, filled behind them
   GaussianAsset original;
   std::vector<SegmentedThing> things;
   RoomParts parts;
@@ -29,8 +29,8 @@ struct SegmentedRoom {
 };
 
 // Writes NAME.ply for each thing, room.ply, room.scene.json, labels.u16 and README.md with pictures. All
-// files appear together: they are written to a folder next to `folder` first. `folder` must not exist or be
-// empty.
+// files appear together: they are first written to a folder next to `folder`. Precondition: `folder` does not
+// exist, or is empty.
 Result<void> write_segmented_room(const std::filesystem::path& folder, SegmentedRoom room);
 
 }  // namespace livegs

@@ -29,12 +29,12 @@ const UpAxis kUpAxes[] = {{"-y", -Eigen::Vector3d::UnitY()}, {"y", Eigen::Vector
                           {"z", Eigen::Vector3d::UnitZ()},   {"-z", -Eigen::Vector3d::UnitZ()},
                           {"x", Eigen::Vector3d::UnitX()},   {"-x", -Eigen::Vector3d::UnitX()}};
 
-// The option, else the axis that the cameras have above them, else that of 3DGS tools.
+// The up axis: that of the option, else the mean up axis of the cameras, else that of 3DGS tools.
 Result<UpAxis> choose_up(const std::string& wanted, const std::vector<Camera>& cameras) {
   if (!wanted.empty()) {
     for (const UpAxis& up : kUpAxes)
       if (wanted == up.name) return up;
-    return invalid_argument("--up: \"" + wanted + "\" is no axis; give one of x, -x, y, -y, z, -z");
+    return invalid_argument("--up: \"" + wanted + "\" is not an axis; give one of x, -x, y, -y, z, -z");
   }
   if (cameras.empty()) return kUpAxes[0];
   const Eigen::Vector3d mean = mean_up(cameras);
@@ -43,11 +43,11 @@ Result<UpAxis> choose_up(const std::string& wanted, const std::vector<Camera>& c
                        [&](const UpAxis& a, const UpAxis& b) { return a.axis.dot(mean) < b.axis.dot(mean); });
   if (best->axis.dot(mean) < std::cos(kMaxCameraTilt_deg * M_PI / 180))
     return invalid_argument(
-        "cameras: their mean up axis is no axis of the splat; turn the splat or give --up");
+        "cameras: the mean up axis is not an axis of the splat; turn the splat or give --up");
   return *best;
 }
 
-// The label pictures of a folder that have the name of a camera.
+// Reads the label pictures of a folder that have the name of a camera.
 Result<std::vector<LabelPicture>> read_label_pictures(const fs::path& folder,
                                                       const std::vector<CapturedView>& cameras) {
   std::error_code error;
@@ -97,7 +97,7 @@ Result<KnownLength> read_known_length(const std::string& text) {
     }
   }
   return invalid_argument("--known: \"" + text +
-                          "\" is no thing with its longest side in metres, at most 1000; write part_03=0.21");
+                          "\" is not NAME=METRES with at most 1000 m; write part_03=0.21");
 }
 
 Result<void> check_segment_folder(const fs::path& output) {
@@ -166,7 +166,7 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
     char line[200];
     std::snprintf(line, sizeof line, "%s: %zu kernels, %.3g x %.3g x %.3g m%s\n", thing.name.c_str(),
                   thing.asset.size(), size.x(), size.y(), size.z(),
-                  thing.unfilled ? ", left open behind it" : "");
+                  thing.unfilled ? ", background not filled" : "");
     lines += line;
   }
   const fs::path output = fs::absolute(request.output / ".").lexically_normal().parent_path();

@@ -12,7 +12,7 @@
 
 namespace livegs {
 
-// A thing whose longest side is known: the number of the thing, from 1, and metres.
+// Known length of the longest side of a thing. Things are numbered from 1.
 struct KnownLength {
   size_t thing = 1;
   double longest_side_m = 0;
@@ -34,11 +34,11 @@ struct SegmentOutcome {
   double scale = 1.0;
 };
 
-// Whether `output` can become the folder of the parts: new, or empty.
+// Checks that `output` is a new or an empty folder.
 Result<void> check_segment_folder(const std::filesystem::path& output);
 
-// Finds the things of a room and writes the folder (segment_files.h). Nothing is written after an error; a
-// room with nothing in it is one. Prints a line for each thing.
+// Finds the things of a room, prints a line for each, and writes the folder (segment_files.h). After an
+// error, nothing is written. A room without things is an error.
 Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& request);
 
 }  // namespace livegs

@@ -35,7 +35,7 @@ struct SimulateCommand {
   int substeps = 0;
   std::string solver = "cells", skinning = "lattice", device = "auto", physics = "cpu";
   bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false, no_shadows = false;
-  bool offline = false;  // accepted as by the other commands; there is nothing to leave out
+  bool offline = false;  // accepted as by the other commands, without effect
   int every = 1;
   uint64_t seed = 1;
 };
@@ -292,19 +292,18 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_flag("--kernels", options->kernels, "Write kernels.csv");
   command->add_option("--render", options->camera, "Render PNGs with this camera file");
   add_device_option(*command, options->device);
-  command->add_flag("--no-shadows", options->no_shadows,
-                    "Draw no contact and soft shadows under the objects in the pictures");
+  command->add_flag("--no-shadows", options->no_shadows, "Draw objects without contact and soft shadows");
   command->add_flag("--pictures", options->draw, "Render PNGs of the whole scene from the front");
   command->add_option("--every", options->every, "Render every Nth frame")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of the pieces of fragile objects")
       ->capture_default_str();
-  command->add_flag("--no-sleep", options->no_sleep, "Do not put bodies at rest to sleep");
+  command->add_flag("--no-sleep", options->no_sleep, "Disable the sleep of bodies at rest");
   command->add_flag("--offline", options->offline,
-                    "Never call a model; simulate does not call one, also without this option");
+                    "No effect: simulate never calls a language model; accepted as by other commands");
   command->add_flag("--drop", options->drop,
-                    "Folder of assets: the objects fall onto the floor instead of standing on it");
+                    "Folder of assets: drop the objects onto the floor instead of placing them on it");
   group_options(*command, "Simulation",
                 {{"--seconds", "SECONDS"},
                  {"--rate", "HZ"},

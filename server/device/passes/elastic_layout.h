@@ -95,7 +95,7 @@ struct ContactSumsRow {
 };
 
 struct BodyRow {
-  // Of the tick.
+  // Values of the tick.
   vec4 gravity;
   vec4 load_n;    // sum of the loads
   vec4 push_n_s;  // impulse of gravity and loads in a step, in two words
@@ -168,7 +168,7 @@ struct BodyRow {
   vec4 nodes_z;
   vec4 load_torque;
   vec4 contact_moment;  // sum of |J| times point over the tick
-  // Of the current step.
+  // Values of the current step.
   vec4 correction;
   vec4 correction_spin;
   vec4 bias;
@@ -181,10 +181,10 @@ struct BodyRow {
   vec4 turning;     // spin before the step
 };
 
-// Of all elastic passes.
+// Constants of all elastic passes.
 struct ElasticConstants {
   uint count;  // items
-  uint step;   // 0, 1, ...; bodies with fewer steps are left alone
+  uint step;   // 0, 1, ...; bodies with fewer steps are skipped
   uint first;  // row of the first item, and of the item `split`; the others follow
   uint split;
   uint second;

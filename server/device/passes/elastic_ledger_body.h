@@ -235,7 +235,7 @@ LIVEGS_SHARED_BODY vec3 damp_light_nodes(uint i, uint k, uint by, LIVEGS_INOUT(v
   return momentum;
 }
 
-// After the light nodes: what they were given is taken from the whole body.
+// After the light nodes: their momentum is subtracted from the whole body.
 LIVEGS_SHARED_BODY void take_back(uint i, vec3 momentum, vec3 angular) {
   if ((bodies[i].flags & kBodyHeld) == 0u && bodies[i].light_count > 0u) {
     const mat3 nodes = columns_of(bodies[i].nodes_x, bodies[i].nodes_y, bodies[i].nodes_z);

@@ -106,8 +106,8 @@ inline void atomicMax(uint& place, uint value) {
 
 #endif
 
-// 1 / sqrt(a). A driver may take the processor's estimate for it, which is short of half of the digits, so
-// one step of Newton's method follows.
+// 1 / sqrt(a). A driver may use the processor's estimate, which has only half of the digits. One step of
+// Newton's method refines it.
 #ifdef __cplusplus
 namespace livegs::shader {
 #endif

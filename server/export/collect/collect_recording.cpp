@@ -38,7 +38,7 @@ struct Sample {
   std::vector<Eigen::Vector3f> nodes_m;
 };
 
-// What is recorded of one object id. Its descriptions by revision.
+// Recorded data of one object id: its descriptions by revision.
 struct RecordedObject {
   std::string name;
   struct Description {
@@ -95,7 +95,7 @@ class Motion {
   }
 
   Result<void> finish(RecordingReader& recording) {
-    if (times_s_.empty()) return invalid_data("has no frames; record without the option for inputs only");
+    if (times_s_.empty()) return invalid_data("has no frames; record again without --record-inputs-only");
     PortableAnimation animation;
     animation.times_s = std::move(times_s_);
     for (auto& [id, object] : objects_) {

@@ -15,7 +15,7 @@ namespace livegs {
 // An EstimatedValue is (low, best, high), with :source and :reason; a list of messages is a list of their
 // JSON.
 void write_estimates(const v1::PhysicalParameters& estimates, UsdaText& out);
-// Reads them; unknown attributes are left out. The error names the attribute.
+// Reads these attributes; unknown ones are ignored. The error names the attribute.
 Result<v1::PhysicalParameters> read_estimates(const UsdaPrim& prim);
 
 }  // namespace livegs

@@ -420,13 +420,13 @@ class StageReader {
     if (!nodes) return nodes.error();
     if (!cells) return cells.error();
     if (!(*width > 0) || nodes->size() % 3 != 0 || cells->size() % 8 != 0)
-      return bad(prim, "is no valid lattice");
+      return bad(prim, "is not a valid lattice");
     lattice.kind = DriverKind::Lattice;
     lattice.cell_width_m = *width;
     lattice.object_from_lattice = {*position, *orientation};
     for (size_t i = 0; i < nodes->size(); i += 3) {
       for (size_t k = 0; k < 3; ++k) {
-        if (std::abs((*nodes)[i + k]) > 1'000'000) return bad(prim, "is no valid lattice");
+        if (std::abs((*nodes)[i + k]) > 1'000'000) return bad(prim, "is not a valid lattice");
       }
       lattice.node_coordinates.emplace_back(static_cast<int>((*nodes)[i]), static_cast<int>((*nodes)[i + 1]),
                                             static_cast<int>((*nodes)[i + 2]));

@@ -20,12 +20,12 @@ struct PointPaths {
   std::vector<Eigen::Vector3f> positions_m;  // tick-major
 
   size_t ticks() const { return points == 0 ? 0 : positions_m.size() / points; }
-  // Between ticks by cubic interpolation (Catmull and Rom 1974), whose error is below 1 % of the amplitude at
-  // a ninth of the rate. Times outside are those of the first and the last tick.
+  // Position at a time, by cubic interpolation between ticks (Catmull and Rom 1974). Its error is below 1 %
+  // of the amplitude at a ninth of the rate. Times are clamped to the first and the last tick.
   Eigen::Vector3d at(size_t point, double time_s) const;
 };
 
-// Simulates variants of a scene and records where points of its surfaces go. Any thread; several at once.
+// Simulates variants of a scene and records the paths of points of its surfaces. Any thread; several at once.
 class PointMotion {
  public:
   // `folder` and `name`: as Scene::build. Points of a variant's objects are found by the names of the

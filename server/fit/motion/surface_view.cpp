@@ -48,7 +48,7 @@ std::vector<uint8_t> SurfaceView::mask(const std::string& object, int rim_px) co
     const auto name = names_.find(object_id_[i]);
     inside[i] = name != names_.end() && name->second == object ? 255 : 0;
   }
-  // A square window, as rows and then columns. Beyond the picture counts as outside.
+  // Erosion by a square window, over rows and then columns. Pixels beyond the picture are outside.
   const auto erode = [&](const std::vector<uint8_t>& of, int dx, int dy) {
     std::vector<uint8_t> eroded(of.size(), 0);
     for (int y = rim_px; y < height - rim_px; ++y) {

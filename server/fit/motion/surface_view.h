@@ -22,16 +22,18 @@ struct TrackedPoint {
   Eigen::Vector3f asset_point;
 };
 
-// The surface points that the pixels of a camera show, for a scene as it is now. The scene is not kept.
+// Visible surface points of the pixels of a camera, for the current state of a scene. The scene is not
+// stored.
 class SurfaceView {
  public:
-  // `objects`: names of objects of the scene; others only cover them.
+  // `objects`: names of objects of the scene; other objects only occlude them.
   static Result<SurfaceView> of(const Scene& scene, const Camera& camera,
                                 std::span<const std::string> objects);
 
-  // One entry per pixel: 255 where the object is seen and no rim is within `rim_px` pixels, else 0.
+  // One entry per pixel: 255 where the object is visible and no rim is within `rim_px` pixels, else 0.
   std::vector<uint8_t> mask(const std::string& object, int rim_px) const;
-  // The point that a position in the picture shows. nullopt: it is outside, or shows none of the objects.
+  // Returns the surface point at a position in the picture. nullopt outside of the picture, and where none of
+  // the objects is visible.
   std::optional<TrackedPoint> at(const Eigen::Vector2d& px) const;
 
  private:

@@ -11,11 +11,11 @@
 
 namespace livegs {
 
-// The scene of a request, simulated to the time of the first frame, and what it shows there.
+// The scene of a request, simulated to the time of the first frame, and its visible surface points.
 struct FirstFrame {
   v1::Scene file;  // every object has its name; the bodies of fitted objects are fixed
   std::vector<FitParameter> parameters;
-  std::vector<std::string> objects;                // that are fitted
+  std::vector<std::string> objects;                // names of the fitted objects
   std::map<std::string, std::string> mass_source;  // by object
   SurfaceView view;
 };

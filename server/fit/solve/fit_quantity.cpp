@@ -9,12 +9,12 @@
 namespace livegs {
 namespace {
 
-// Standard deviation of the logarithm of a value that is asked for, before the video: a factor of thirty.
-// Less pulls the result to the estimate, more has no effect.
+// Prior standard deviation of the logarithm of a requested value: a factor of thirty. A smaller value pulls
+// the result to the estimate, a larger one has no effect.
 const double kAskedSd = std::log(30.0);
-// That of a mass which is asked for although the scene file states it: a factor of two.
+// Prior standard deviation of the logarithm of a requested mass that the scene file states: a factor of two.
 const double kStatedMassSd = std::log(2.0);
-// A range narrower than this, as a standard deviation of the logarithm, is exact: 1 %.
+// Standard deviation of the logarithm below which a range counts as exact: 1 %.
 constexpr double kExactSd = 0.01;
 
 double sd_of(const v1::EstimatedValue& value) {

@@ -319,7 +319,7 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     value.shown = std::clamp(1.0 - variance / before_variance, 0.0, 1.0);
     if (parameter.asked && value.shown < kShown)
       result.notes.push_back(
-          format_text("%s: the recording does not show its %s; the value before is kept within its range",
+          format_text("%s: the recording does not determine %s; the prior value and its range apply",
                       parameter.object.c_str(), names_of(parameter.quantity).name));
     if (value.best <= parameter.lowest * 1.01 || value.best >= parameter.highest * 0.99)
       result.notes.push_back(format_text("%s: %s is at the limit of the search", parameter.object.c_str(),
@@ -331,12 +331,12 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     if (!object.elastic) continue;
     if (object.elastic->band == ElasticBand::Band)
       result.notes.push_back(format_text(
-          "%s: youngs_modulus_pa is the value for this scene; its lattice shows %.2g to %.2g times the "
+          "%s: youngs_modulus_pa is the value for this scene; the lattice has %.2g to %.2g times the "
           "modulus of the material",
           name.c_str(), object.elastic->modulus_ratio_low, object.elastic->modulus_ratio_high));
     if (object.elastic->clipped)
       result.notes.push_back(name +
-                             ": the stiffness is beyond what the lattice reaches; its range is not known");
+                             ": the stiffness is above the maximum of the lattice; its range is unknown");
     // Stiffness and mass by the same factor: the motion is the same unless a known force acts.
     const double stiffness =
         object.physics.structure_coefficient().best() * object.physics.youngs_modulus_pa().best();
@@ -368,8 +368,8 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     result.spread_before_px = problem.spread_px(*paths_before[0], before);
     if (result.spread_px > MotionProblem::kMoved_px && result.spread_px > kNoBetter * result.spread_before_px)
       result.notes.push_back(
-          "the paths are no nearer than with the values before; check the video, the camera and what acts on "
-          "the objects");
+          "the paths are not closer than with the initial values; check the video, the camera and the loads "
+          "on the objects");
   }
   result.picture_scale = std::exp(best->log_picture_scale);
   result.shift_s = best->shift_s;

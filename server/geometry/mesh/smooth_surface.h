@@ -40,7 +40,7 @@ class SmoothSurface {
  private:
   Eigen::Vector3d face_normal(uint32_t triangle) const;
   Eigen::Vector3d barycentric(uint32_t triangle, const Eigen::Vector3d& point_m) const;
-  // Of a triangle, in the plane across `normal`.
+  // Curvature at a triangle, in the plane across `normal`.
   Eigen::Matrix3d curvature(uint32_t triangle, const Eigen::Vector3d& normal) const;
 
   TriangleMesh mesh_;

@@ -10,8 +10,8 @@
 
 namespace livegs {
 
-// Joins each kernel to its nearest neighbours where their ellipsoids touch. Made once per room, in the
-// background; it serves also after parts are divided or joined. Any thread may read it.
+// Joins each kernel to its nearest neighbours with touching ellipsoids. Computed once per room, in the
+// background; it stays valid after parts are divided or joined. Any thread may read it.
 class KernelGraph {
  public:
   static constexpr size_t kEdges = 10;  // of a kernel

@@ -6,9 +6,10 @@
 
 namespace livegs {
 
-// Gives kernels of the room to a thing that they continue: they are off all planes of the room, within a
-// voxel or two of kernels of the thing and of their colour. Few views see them, or at a foot they have the
-// colour of the support, so that their pixels did not decide. Repeated outwards a few times. Deterministic.
+// Assigns room kernels at the rim of a thing to the thing. Such kernels are off all planes of the room,
+// within a voxel or two of kernels of the thing, and of the same colour. Their pixels are undecided, because
+// few views see them, or because they have the colour of the support. Repeated outwards a few times.
+// Deterministic.
 void claim_rim(const GaussianAsset& asset, RoomParts& found);
 
 }  // namespace livegs

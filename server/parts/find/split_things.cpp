@@ -16,10 +16,10 @@ constexpr float kPatchRadius_voxels = 2.6f;  // of a patch about its seed; small
 constexpr float kPatchTilt = 0.87f;          // cosine of 30 degrees between the normals of a patch
 constexpr float kPatchColour = 0.12f;        // distance of the colours of a patch
 constexpr float kClearNormal = 0.7f;     // length of the mean normal of a voxel; below, it shows two faces
-constexpr float kSameColour = 0.12f;     // of patches that grow together at once
+constexpr float kSameColour = 0.12f;     // of patches that merge at once
 constexpr float kConcave = 0.35f;        // (n1 - n2) · d of a concave edge: 20 degrees
 constexpr double kConcaveShare = 0.2;    // of the border of two regions that keeps them apart
-constexpr double kSmallShare = 0.3;      // size of a part that its neighbour of the same colours takes
+constexpr double kSmallShare = 0.3;      // size of a part that merges with a neighbour of the same colours
 constexpr double kSameColours = 0.5;     // overlap of the colours of such a part and its neighbour
 constexpr size_t kMinRegionVoxels = 40;  // smaller ones go to the neighbour with the longest border
 
@@ -74,7 +74,7 @@ std::vector<uint32_t> grow_patches(const VoxelSet& voxels, const std::vector<uin
     one.rgb /= static_cast<float>(one.voxels);
     one.normal.normalize();
   }
-  // The rest, from the patches outwards.
+  // The remaining voxels join the patches, from the patches outwards.
   for (bool changed = true; changed;) {
     changed = false;
     const std::vector<uint32_t> before = patch;
@@ -150,7 +150,7 @@ std::vector<std::vector<uint32_t>> separate_thing(const VoxelSet& voxels,
     border.length += edge.length;
     border.concave += edge.concave ? edge.length : 0;
   }
-  // Greedy: the pair with the best reason to be one, until there is none.
+  // Greedy: merges the pair with the highest score until no score is above 0.
   DisjointSets regions(patches.size());
   for (;;) {
     double best_score = 0;

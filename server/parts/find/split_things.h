@@ -5,10 +5,10 @@
 
 namespace livegs {
 
-// Separates things that touch. Voxels are grouped to flat patches of one colour. Patches that meet in a flat
-// or convex edge grow together; across a concave edge they stay apart, since solids meet in concave edges
-// (Stein et al. 2014, Object partitioning using local convexity). A small part of the same colours, such as a
-// handle, goes back to its neighbour. Deterministic.
+// Separates touching things. Voxels are grouped into flat patches of one colour. Patches that meet in a flat
+// or convex edge are merged. A concave edge separates patches, since solids meet in concave edges (Stein et
+// al. 2014, Object partitioning using local convexity). A small part, such as a handle, is merged with a
+// neighbour of the same colours. Deterministic.
 void split_things(ThingVoxels& found);
 
 }  // namespace livegs

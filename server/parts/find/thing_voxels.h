@@ -36,7 +36,7 @@ struct ThingVoxels {
 uint32_t support_below(const RoomPlanes& planes, const Eigen::Vector3d& point_m, double margin_m);
 
 // 1. Points above a support and away from walls become voxels.
-// 2. Voxels that more views see through than meet are dropped: floaters.
+// 2. Floaters are dropped: voxels that more views see through than see.
 // 3. Connected voxels that touch their support or a wall are things. What touches the underside of a support
 //    is furniture and stays with the room, and so do specks.
 ThingVoxels thing_voxels(std::span<const ViewPoint> points, std::span<const RoomView> views,

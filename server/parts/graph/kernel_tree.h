@@ -22,7 +22,7 @@ class KernelTree {
   };
   // The `count` nearest points, nearest first; fewer if there are fewer. `found` is replaced.
   void nearest(const Eigen::Vector3f& point, size_t count, std::vector<Neighbour>& found) const;
-  // All points within the radius, in no particular but a fixed order. `found` is replaced.
+  // All points within the radius, in an unspecified but fixed order. `found` is replaced.
   void within(const Eigen::Vector3f& point, float radius, std::vector<uint32_t>& found) const;
 
   size_t size() const { return order_.size(); }

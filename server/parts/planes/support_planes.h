@@ -8,12 +8,12 @@
 
 #include "parts/views/room_view.h"
 
-// Large planes of a room: what things stand on, and walls.
+// Large planes of a room: supports, on which things stand, and walls.
 
 namespace livegs {
 
-// The cells of a plane in which its surface was seen, and the convex hull of each connected area of them:
-// things hide a plane below and behind them, also at its edge. Small areas beside a large one are noise.
+// Cells of a plane in which its surface is visible, and the convex hull of each connected area of them.
+// Things hide the plane below and behind them, also at its edge. Small areas next to a large one are noise.
 class PlaneRegion {
  public:
   PlaneRegion() = default;

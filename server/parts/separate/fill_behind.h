@@ -5,7 +5,7 @@
 #include "parts/room_parts.h"
 #include "parts/separate/split_straddling.h"
 
-// What no view has seen behind and below a thing: the plane it covers is continued, and its underside closed.
+// Hidden surfaces behind and below a thing: the covered plane is continued, and the underside is closed.
 
 namespace livegs {
 
@@ -14,7 +14,7 @@ struct BehindThing {
   std::vector<uint32_t> hidden;  // kernels of the room that the fill replaces
   struct Relit {
     uint32_t kernel;  // of the room
-    float light;      // that the thing lets through to it, under 1
+    float light;      // share of the light that the thing does not block, under 1
   };
   std::vector<Relit> relit;  // kernels of the room in the shade of the thing
   GaussianAsset underside;   // flat kernels for the thing

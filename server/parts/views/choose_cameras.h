@@ -8,9 +8,10 @@
 
 namespace livegs {
 
-// Cameras in the free space of a room whose photos are not known. Candidates on rings around dense places are
-// scored by the kernels that their rays meet in a coarse grid; the best are taken one after the other, and
-// what was seen before counts less. `up` is a unit vector. Deterministic. Empty if there is no free place.
+// Chooses cameras in the free space of a room without photos. Candidates lie on rings around dense places.
+// Their score is the number of kernels that their rays hit in a coarse grid. The best one is chosen
+// repeatedly; kernels seen before count less. `up` is a unit vector. Deterministic. Empty if there is no free
+// place.
 std::vector<Camera> choose_cameras(const GaussianAsset& asset, const Eigen::Vector3d& up, size_t count,
                                    int width);
 

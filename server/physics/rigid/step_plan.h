@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// How an island takes a substep. Islands with joints, which plan their own steps, and those with very many
-// contacts take one detection and the usual steps.
+// Division of an island's substep. Islands with joints plan their own steps. They, and islands with very many
+// contacts, take one detection and the usual steps.
 struct StepPlan {
   // Sub-intervals, each with its own contacts. More than 1 if two free, non-spherical bodies approach by
   // several times their thickness in a substep: a stopped corner then turns a body over within the substep,

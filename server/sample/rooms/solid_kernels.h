@@ -35,9 +35,9 @@ struct Solid {
   Eigen::Vector3d colour_at(const SurfacePoint& point, uint64_t seed) const;
 };
 
-// Points on the faces of a solid that can be seen when it stands: all but the underside.
+// Points on all faces of a standing solid except the underside.
 std::vector<SurfacePoint> solid_points(const Solid& solid, double spacing_m, uint64_t seed);
-// Points on a rectangle; its normal is along x across.
+// Points on a rectangle. The normal is the cross product of `along_m` and `across_m`.
 std::vector<SurfacePoint> rectangle_points(const Eigen::Vector3d& corner_m, const Eigen::Vector3d& along_m,
                                            const Eigen::Vector3d& across_m, double spacing_m, uint64_t seed);
 

@@ -24,7 +24,7 @@ struct Appearance {
   double opacity = 0.96;
   double flatness = 0.15;  // thickness relative to the tangential size
   double overlap = 0.78;   // standard deviation relative to the spacing: 0.6 crisp, 0.9 closed
-  // Of a thread or fibre: longer along the tangent and thinner across, at constant area.
+  // Elongation of a thread or fibre: longer along the tangent and thinner across, at constant area.
   double elongation = 1.0;
   bool across = false;            // the fibre is perpendicular to the tangent
   Eigen::Vector3d bump{0, 0, 0};  // added to the normal, for shading only

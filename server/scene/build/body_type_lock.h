@@ -17,7 +17,7 @@ struct BodyTypeLock {
 };
 
 // Sets the behaviour of `physics` back to that of the body. Changed parts stay as decided, so that clients
-// can show and edit them; their reason says that the body follows later. Returns one line, for display, for
+// can show and edit them. Their reason states that the body changes later. Returns one line, for display, for
 // each change that takes effect only after a reload. Returns an empty list if all changes apply at once.
 std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalParameters& physics);
 

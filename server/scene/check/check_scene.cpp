@@ -158,7 +158,7 @@ Result<void> check_scene(const v1::Scene& scene) {
   for (const uint32_t label : environment.taken()) {
     if (label < 1 || label > kThingMask)
       return invalid_argument("environment.taken: " + std::to_string(label) +
-                              " is no label; give 1 to 16383");
+                              " is not a label; give 1 to 16383");
   }
   for (int i = 0; i < environment.colliders_size(); ++i) {
     LIVEGS_CHECK(

@@ -11,7 +11,7 @@
 
 namespace livegs {
 
-// Gives every object of a scene the name that it has anyway (object_name()), so that edits can name it.
+// Writes the implicit name of every object (object_name()) into the scene, so that edits can refer to it.
 void name_objects(v1::Scene& scene);
 
 // Measurements that an edit uses.
@@ -19,7 +19,7 @@ struct ObjectMeasures {
   double longest_side_m = 0;         // now, at the object's scale
   double scale = 1;                  // metres per unit of the asset, given or guessed
   double bottom_m = 0;               // of its lowest point above the origin of its frame, along up
-  std::optional<double> way_down_m;  // until it stands on something; nullopt: nothing is below
+  std::optional<double> way_down_m;  // to the surface below; nullopt: there is none
 };
 using MeasureObject = std::function<Result<ObjectMeasures>(const v1::Object& object)>;
 

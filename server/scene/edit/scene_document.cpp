@@ -61,7 +61,7 @@ Result<SceneDocument> SceneDocument::open(SceneText text) {
   if (!fs::exists(journal, ignored)) return document;
   auto kept = read_scene_file(journal);
   if (!kept) {
-    log_warn("scene: the changes of an earlier run cannot be read: %s; delete %s to forget them",
+    log_warn("scene: the changes of an earlier run cannot be read: %s; delete %s to discard them",
              kept.error().message.c_str(), journal.c_str());
     return document;
   }
@@ -73,7 +73,7 @@ Result<SceneDocument> SceneDocument::open(SceneText text) {
   document.scene_ = step.after;
   document.undo_.push_back(std::move(step));
   document.unsaved_ = true;
-  log_info("scene: unsaved changes of the last run are loaded; undo takes them back, saving keeps them");
+  log_info("scene: unsaved changes of the last run are loaded; undo reverts them, saving keeps them");
   return document;
 }
 

@@ -18,11 +18,11 @@ namespace livegs {
 // Names of objects before and after.
 using Renames = std::vector<std::pair<std::string, std::string>>;
 
-// The scene that authors edit: a Scene message, one log of steps for undo, and the files that it is kept in.
-// One thread at a time.
+// The edited scene: a Scene message, one log of steps for undo, and the files in which it is stored. One
+// thread at a time.
 //
 // The journal .FILE.unsaved (.NAME.unsaved without a file) holds the whole document as a scene file. It is
-// replaced after every step and removed by a save, so a killed server loses at most the step under way.
+// replaced after every step and removed by a save, so a killed server loses at most the current step.
 class SceneDocument {
  public:
   // `text`: the scene as read. Continues from the journal of an earlier run if there is one: its changes are
@@ -44,15 +44,15 @@ class SceneDocument {
     // The step is a revision of this object's sidecar; before and after are equal. Empty: it is not.
     std::string physics_object;
   };
-  // The step that a request asks for, checked; the document is unchanged. `names`: of the request's objects
-  // afterwards.
+  // Returns the checked step of a request, without changing the document. `names`: of the request's objects
+  // after the step.
   Result<Step> prepare(const v1::EditSceneRequest& request, const MeasureObject& measure,
                        std::vector<std::string>& names) const;
-  // The step that undo or redo would take; nullptr if there is none.
+  // The next step of undo or redo; nullptr if there is none.
   const Step* next(bool redo) const;
 
-  // Each returns a warning if the journal could not be written; the document has changed all the same.
-  std::string commit(Step step);  // a new step; what was undone is forgotten
+  // Each returns a warning if the journal could not be written. The document has changed even then.
+  std::string commit(Step step);  // a new step; undone steps are discarded
   std::string take(bool redo);    // precondition: next(redo)
 
   // Writes the scene file: `file` in the scene's folder, or if empty the scene's own. An earlier version of
@@ -61,10 +61,11 @@ class SceneDocument {
 
   // Whether the scene file was changed by another program since it was read or saved.
   bool changed_on_disk() const;
-  // Takes a scene that was read again; all steps are forgotten.
+  // Replaces the document by a scene that was read again; all steps are discarded.
   void reload(v1::Scene scene);
 
-  // Steps that can be undone; more are forgotten. A step holds two copies of the scene, some kB.
+  // Maximum number of steps that can be undone; older ones are discarded. A step has two copies of the scene,
+  // some kB.
   static constexpr size_t kMaxSteps = 500;
 
  private:

@@ -160,7 +160,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
                    : build_object(after, folder_, index, field, settings, sidecar);
   if (!built) return built.error();
   if (auto* elastic = std::get_if<ElasticBodyDescription>(&built->body); elastic && !elastic->own_budget) {
-    // What the others leave of the scene's budget, or an equal share of it.
+    // The unused part of the scene's budget, or an equal share of the budget.
     double used = 0.0, bodies = 1.0;
     for (const SceneObject& object : objects_) {
       const ElasticBody* body = world_->elastic_body(object.id);

@@ -119,8 +119,8 @@ Result<SceneText> new_scene(const fs::path& path) {
   }
   const std::string name = path.filename().string();
   if (!has_ending(name, ".scene.json"))
-    return invalid_argument(path.string() +
-                            ": is no folder; give one, or the name of a new file that ends in .scene.json");
+    return invalid_argument(
+        path.string() + ": is not a folder; give one, or the name of a new file that ends in .scene.json");
   if (fs::exists(path, error)) return invalid_argument(path.string() + ": exists; open it without --new");
   const fs::path folder = path.parent_path();
   if (!folder.empty() && !fs::is_directory(folder, error))

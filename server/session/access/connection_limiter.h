@@ -35,7 +35,7 @@ class ConnectionLimiter {
   ConnectionLimiter& operator=(const ConnectionLimiter&) = delete;
 
   int port() const { return port_; }
-  // Called on the thread of the door with a connected socket, which the callee owns. `tls`: it begins with a
+  // Called on the accepting thread with a connected socket, which the callee owns. `tls`: it begins with a
   // TLS handshake.
   using ToWeb = std::function<void(int socket, bool tls)>;
   // Starts accepting. Earlier connections wait in the backlog of the system.

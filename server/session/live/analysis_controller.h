@@ -34,8 +34,8 @@ class AnalysisController final : public AnalysisControl {
   // undone or waits for a decision. Returns at once.
   void begin();
 
-  // Objects of these names are gone, and these were built. Values and proposals of an object that was built
-  // again are read from its sidecar.
+  // Updates the set of objects after an edit: removed names and newly built objects. Values and proposals of
+  // an object that was built again are read from its sidecar.
   void change(const std::vector<std::string>& gone, std::span<const BuiltObject> fresh);
 
   // Passes a reloaded scene to the loop. Its file, measurements and body types are used from now on.
@@ -57,7 +57,7 @@ class AnalysisController final : public AnalysisControl {
   struct Known {
     SceneAnalysis::Object object;
     std::unique_ptr<PhysicsOverrides> decided;
-    bool gone = false;  // edited away; kept for the analyses under way
+    bool gone = false;  // removed by an edit; kept for running analyses
   };
   struct Request {
     std::vector<AnalysisTarget> targets;
@@ -97,7 +97,8 @@ class AnalysisController final : public AnalysisControl {
   AnalysisControllerOptions options_;
   AnswerCache cache_;
 
-  // Locked from a decision until the loop has it, so that the last decision wins. Locked before mutex_.
+  // Locked from a decision until the loop has received it, so that the last decision applies. Locked before
+  // mutex_.
   std::mutex deciding_;
   std::mutex mutex_;  // guards the next eight
   // Entries are added and never erased, so that references stay valid.

@@ -134,7 +134,7 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
         placed(environment, frame_of(environment)).asset_direction(Vector3d::UnitY()));
     auto room = std::make_shared<Room>(room_of(std::move(found), labels, std::move(graph)));
     log_info("room: %zu things can be taken", room->things.size());
-    if (room->things.empty()) return fail("no thing was found that stands apart; nothing can be taken");
+    if (room->things.empty()) return fail("no separate thing was found; nothing can be taken");
     std::lock_guard lock(mutex_);
     searching_.reset();
     rooms_[labels] = std::move(room);
@@ -243,7 +243,8 @@ const RoomThings::Shown& RoomThings::shown(std::shared_ptr<const Room> room,
 Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
                                             const v1::Environment& environment) {
   const auto room = room_for(environment);
-  if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
+  if (!room)
+    return Error{ErrorCode::Unavailable, "room: the search for things is not finished; try again later"};
   if (request.rays_size() < 1 || request.rays_size() > kMaxRays)
     return invalid_argument("rays: give 1 to 32");
   const Shown& seen = shown(room, environment);
@@ -266,7 +267,7 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
     const uint32_t kernel = hit ? seen.kept[*hit] : 0;
     const uint16_t label = hit ? own_label(kernel) : uint16_t{0};
     if (label == 0 && !ray.away() && labels.empty())
-      return not_found("rays: meet no thing that can be taken; aim at one");
+      return not_found("rays: hit no thing that can be taken; aim at one");
     if (!hit) continue;
     clicks.push_back({kernel, !ray.away()});
     if (label == 0)
@@ -332,14 +333,15 @@ uint16_t RoomThings::divide(LabelledRoom& labelled, const Thing& thing) {
 
 Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environment& environment) {
   auto room = room_for(environment);
-  if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
+  if (!room)
+    return Error{ErrorCode::Unavailable, "room: the search for things is not finished; try again later"};
   const auto before = room;
   uint16_t label = thing.labels.front();
   if (thing.labels.size() > 1 || !thing.cut.empty() || room->labels_file.empty()) {
     LabelledRoom joined = room->labelled;
     if (!thing.cut.empty()) {
       if (room->things.rbegin()->first >= kMaxParts + kMaxDivisions)
-        return invalid_argument("room: was divided too often; undo takes");
+        return invalid_argument("room: too many takes; undo some of them");
       label = divide(joined, thing);
     } else {
       for (uint16_t& one : joined.label) {
@@ -436,7 +438,8 @@ void RoomThings::collide(const Room& room, v1::Environment& environment) const {
 Result<v1::Environment> RoomThings::put_back(uint32_t label, v1::Environment environment) {
   (void)describe(environment);
   const auto room = room_for(environment);
-  if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
+  if (!room)
+    return Error{ErrorCode::Unavailable, "room: the search for things is not finished; try again later"};
   auto& taken = *environment.mutable_taken();
   const auto place = std::find(taken.begin(), taken.end(), label);
   const auto thing =

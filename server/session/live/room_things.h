@@ -22,7 +22,7 @@
 
 namespace livegs {
 
-// The things of a captured room that authors can take out. They are found on a thread of their own
+// The things of a captured room that authors can take out. They are found on an internal thread
 // (parts/room_parts.h), or read from the labels that an earlier take wrote next to the scene.
 class RoomThings {
  public:
@@ -49,7 +49,7 @@ class RoomThings {
   };
   // Writes the labels and the thing's asset into the scene's folder. The thread of edits only.
   Result<Taken> take(const Thing& thing, const v1::Environment& environment);
-  // The environment with the thing back in it. Unavailable while the room is prepared.
+  // The environment including the thing again. Unavailable while the room is prepared.
   Result<v1::Environment> put_back(uint32_t label, v1::Environment environment);
 
   static constexpr int kMaxRays = 32;

@@ -204,7 +204,8 @@ Result<ObjectMeasures> SceneAuthor::measure(const v1::Object& object) const {
     measures.way_down_m = scene.world().distance_down_m(
         points, present ? std::optional(present->id) : std::nullopt, kMaxDrop_m);
   });
-  if (!answered) return Error{ErrorCode::Unavailable, "edit: the simulation does not answer; try again"};
+  if (!answered)
+    return Error{ErrorCode::Unavailable, "edit: the simulation did not respond in time; try again"};
   return measures;
 }
 
@@ -431,7 +432,7 @@ Result<v1::EditSceneReply> SceneAuthor::undone(bool redo) {
       warnings.assign(physics->warnings().begin(), physics->warnings().end());
       reply.add_objects(step->physics_object);
     } else if (physics.error().code == ErrorCode::NotFound) {  // taken back another way, or the object is new
-      warnings.push_back(step->physics_object + ": these values were already taken back");
+      warnings.push_back(step->physics_object + ": these values were already reverted");
     } else {
       return physics.error();
     }
@@ -540,7 +541,7 @@ Result<std::unique_ptr<AuthorControl::Upload>> SceneAuthor::upload(const std::st
                      });
   if (!plain || is_asset_index(name) || !is_splat_file(name))
     return invalid_argument("name: \"" + shown_text(name, 80) +
-                            "\" is no splat file; give a plain name ending in " + kAssetEndings);
+                            "\" is not a splat file; give a plain name ending in " + kAssetEndings);
   return std::unique_ptr<Upload>(std::make_unique<FileUpload>(document_.folder(), name));
 }
 

@@ -18,7 +18,7 @@ namespace livegs {
 // of an asset that is a folder are FOLDER/FILE.
 std::vector<std::string> files_of(const v1::SceneSource& source);
 
-// What an edit of a running scene names, as a scene of its own in the same folder.
+// Files that an edit of a running scene names, as a separate scene in the same folder.
 v1::SceneSource source_of(const v1::SceneChange& change, const std::string& folder);
 
 // Embeds the files that are not in `held`, with their current content. An unreadable file is logged and

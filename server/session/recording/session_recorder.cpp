@@ -174,7 +174,7 @@ SessionRecorder::~SessionRecorder() {
 Result<void> SessionRecorder::start(const std::filesystem::path& path, const RecordingOptions& options) {
   if (path.empty()) return invalid_argument("recording: path is empty; give a file");
   if (path.extension() != ".lvgrec")
-    return invalid_argument(path.string() + ": is a recording, not a file of this ending; end it in .lvgrec");
+    return invalid_argument(path.string() + ": is a recording; choose a name that ends in .lvgrec");
   // Checked here rather than at the first tick, so that the caller gets the error.
   std::error_code error;
   if (std::filesystem::exists(path, error)) {

@@ -66,7 +66,7 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
   return header;
 }
 
-// What a header holds besides times.
+// Serialised header of a frame without its times.
 std::string contents_of(v1::ServerMessage header) {
   header.clear_tick();
   header.clear_stepped_ns();

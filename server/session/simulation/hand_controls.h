@@ -39,11 +39,11 @@ inline constexpr double kMaxHandSpin_rad_s = 30.0;
 
 // Speed of a ball: an underarm throw.
 inline constexpr double kBallSpeed_m_s = 6.0;
-// Minimum time between shots of a hand, so that a client cannot flood the scene. A faster press is shot
-// later.
+// Minimum time between shots of a hand, so that a client cannot flood the scene. The shot of a faster press
+// is delayed.
 inline constexpr double kMinShotInterval_s = 0.1;
-// Presses of a hand that wait for their shot; further ones are ignored. More would shoot for seconds after
-// the last press.
+// Maximum number of delayed shots of a hand; further presses are ignored. A larger value would shoot for
+// seconds after the last press.
 inline constexpr size_t kMaxWaitingShots = 16;
 
 class HandControls {

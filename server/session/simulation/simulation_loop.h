@@ -66,10 +66,10 @@ class SimulationLoop : public InputSink {
   // the last tick are dropped.
   void post(v1::SceneChange change);
   void post(std::vector<v1::SceneChange> changes);  // for one tick
-  // Calls `read` with the scene between two ticks, on the loop's thread, and waits for it. Without calling
-  // it, false if the loop does not run or takes longer than two seconds.
+  // Calls `read` with the scene between two ticks, on the loop's thread, and waits for it. Returns false,
+  // without the call, if the loop does not run or takes longer than two seconds.
   bool query(const std::function<void(const Scene&)>& read);
-  // Of every scene of this loop. Any thread.
+  // Settings of every scene of this loop. Any thread.
   const WorldSettings& world_settings() const { return world_settings_; }
   void set_edit_revision(uint64_t revision);  // RunStatus::edit_revision
   // Halts before the first tick and after every reset, until pause(false).

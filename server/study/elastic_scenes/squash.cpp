@@ -16,7 +16,7 @@ Result<Outcome> squash(const Setup& given) {
   // Plates contact one point per voxel face; with equal numbers of voxels and cells, nodes between the points
   // would penetrate.
   if (setup.engine == Engine::Cells && setup.cell_width_m > 0.0) setup.spacing_m = 0.5 * setup.cell_width_m;
-  if (setup.engine == Engine::Bullet) return unsupported("bullet: plates are not connected");
+  if (setup.engine == Engine::Bullet) return unsupported("bullet: plates are not supported");
   constexpr double kEdge_m = 0.1, kAlong = 0.7;
   const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * kEdge_m);
   ElasticBodyDescription block = describe_box(setup, -half, half);

@@ -10,7 +10,7 @@
 namespace livegs::study {
 
 Result<Outcome> affine_ramp(const Setup& setup, const Eigen::Matrix3d& matrix) {
-  if (setup.engine == Engine::Bullet) return unsupported("bullet: motions are not connected");
+  if (setup.engine == Engine::Bullet) return unsupported("bullet: prescribed motions are not supported");
   const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.1);
   ElasticBodyDescription block = describe_box(setup, -half, half);
   block.material.loss_factor = 2.0;

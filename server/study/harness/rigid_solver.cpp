@@ -4,11 +4,12 @@
 namespace livegs::study {
 
 Result<void> RigidSolver::add_soft(const SoftPart&) {
-  return Error{ErrorCode::Unavailable, "soft bodies are not connected to rigid bodies in this engine"};
+  return Error{ErrorCode::Unavailable,
+               "rigid scene: contact with soft bodies is not supported for this engine"};
 }
 
 Result<bool> RigidSolver::broken(size_t) const {
-  return Error{ErrorCode::Unavailable, "contact impulses are not available in this engine"};
+  return Error{ErrorCode::Unavailable, "rigid scene: contact impulses are not available for this engine"};
 }
 
 }  // namespace livegs::study

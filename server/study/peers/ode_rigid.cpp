@@ -40,7 +40,7 @@ class OdeRigid final : public RigidSolver {
   }
 
   Result<void> add(const RigidPart& part) override {
-    if (!part.corners_m.empty()) return Error{ErrorCode::Unavailable, "ode: convex bodies are not connected"};
+    if (!part.corners_m.empty()) return Error{ErrorCode::Unavailable, "ode: convex bodies are not supported"};
     const dBodyID body = dBodyCreate(world_);
     dMass mass;
     dGeomID geometry;

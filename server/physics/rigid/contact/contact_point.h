@@ -26,7 +26,7 @@ struct ContactPoint {
   // Whether the point is fixed to the first body's mesh. Points of balls or of the other body stay in place
   // during the substep.
   bool turns = false;
-  // Of an impact: closing speed, closing speed at touch, and speed at which it leaves, < 0 if it has
+  // Speeds of an impact: closing speed, closing speed at touch, and speed at which it leaves, < 0 if it has
   // yet to arrive; kNoImpact: not one.
   double closing_m_s = 0, touch_m_s = 0, leaving_m_s = kNoImpact;
   double impulse_n_s = 0;  // of this step, >= 0; warm start of the next one

@@ -17,7 +17,7 @@ namespace livegs {
 struct ContactManifold;
 struct ContactPoint;
 
-// How an impulse acts: over the step, or at once.
+// Duration of an impulse: over the step, or at once.
 enum class ImpulseKind { Support, Impact };
 
 // Duration of an impact of hard objects of a cup's size, s. Hertz, 2.87 (m² / (R E² v))^(1/5) (Johnson 1985,
@@ -85,8 +85,8 @@ class ImpactRecord {
   // Strongest sum of the current episode; strongest of the episodes that ended in this tick.
   ImpulseAccumulator episode_, ended_episode_;
   ImpulseAccumulator forced_;  // of forces, the maximum of the tick, for kImpactDuration_s
-  // Of the substep: supporting contacts and joints, forces, and impacts with the time from the first one to
-  // its end.
+  // Sums of the substep: supporting contacts and joints, forces, and impacts with the time from the first one
+  // to its end.
   ImpulseAccumulator contacts_, forces_, impacts_;
   double impact_age_s_ = 0.0;
 };
