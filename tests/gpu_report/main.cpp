@@ -60,10 +60,9 @@ Options read_options(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Tests the passes of the Vulkan renderer against their references on the device of this machine, then "
-      "measures "
-      "them. Writes device.csv, parity.csv, physics.csv, times.csv and the page report.md. The exit code is "
-      "1 if a test "
-      "fails.",
+      "measures them. Writes device.csv, parity.csv, physics.csv, times.csv and the page report.md. The exit "
+      "code is "
+      "1 if a test fails.",
       "livegs-gpu-report");
   app.formatter(std::make_shared<HelpFormatter>());
   app.add_option("--output,-o", options.output, "Folder of the files (default: gpu-report-DEVICE)")
@@ -88,8 +87,8 @@ Options read_options(int argc, char** argv) {
           },
           ""))
       ->type_name("WxH");
-  auto* only = app.add_flag("--parity-only", options.parity_only, "Measure nothing");
-  app.add_flag("--no-parity", options.no_parity, "Test nothing")->excludes(only);
+  auto* only = app.add_flag("--parity-only", options.parity_only, "Run the tests without measurements");
+  app.add_flag("--no-parity", options.no_parity, "Run the measurements without tests")->excludes(only);
   app.add_flag("--no-validation", options.no_validation, "Test without the validation layer");
   app.add_option("--filter", options.filter, "Tests to run, as a pattern of GoogleTest (default: all)")
       ->type_name("PATTERN");

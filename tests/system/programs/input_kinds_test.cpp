@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inputs that users of splat tools had trouble with, five generated ones of each kind, through the program
-// and under 4 GB of address space. Each is read right, or one line names the problem.
+// Inputs that are known to cause problems in splat tools, five generated ones of each kind. The program reads
+// them with 4 GB of address space. Each is read correctly, or one line names the problem.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ class InputKinds : public ::testing::Test {
     EXPECT_TRUE(write_file_atomically(folder_ / name, bytes));
     return folder_ / name;
   }
-  // What `info` prints of an asset that is read right.
+  // Checks the output of `info` for a valid asset.
   ToolOutcome expect_read(const std::string& path, size_t kernels, double size, double tolerance = 1e-3) {
     const ToolOutcome outcome = run_tool({"info", path});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -157,7 +157,7 @@ TEST_F(InputKinds, PositionsOnTheEarth) {
   }
 }
 
-// A unit that is a guess stays one, and the guessed scale is the same.
+// A guessed unit is still marked as a guess after a conversion, and the guessed scale is the same.
 TEST_F(InputKinds, GuessedUnitsSurviveFormats) {
   const std::pair<double, const char*> cases[] = {{0.02, "mug.spz"},
                                                   {0.3, "thing.sog"},
@@ -282,7 +282,7 @@ TEST_F(InputKinds, HeavyOnLight) {
   EXPECT_LE(warned, 1);  // a ratio of 10 000 is carried
 }
 
-// Text of five layouts: elements before, behind, on both sides, with lists, and empty.
+// Five file layouts: other elements before, after and around the vertices, with lists, and empty.
 TEST_F(InputKinds, OtherElements) {
   const GaussianAsset asset = kinds_ball();
   const auto bytes = ply_of(columns_of(asset), kKernels, "", true);
@@ -308,7 +308,8 @@ TEST_F(InputKinds, OtherElements) {
   }
 }
 
-// 300 000 kernels, up to as wide as the object: they are recognised, and the surface is bounded by the file.
+// 300 000 kernels of up to the width of the object. They are recognised as activated values, and the surface
+// does not grow with their width.
 TEST_F(InputKinds, ActivatedValues) {
   for (const double deviation : {0.01, 0.05, 0.2, 0.5, 1.0}) {
     constexpr size_t kMany = 300'000;
@@ -322,7 +323,7 @@ TEST_F(InputKinds, ActivatedValues) {
     EXPECT_NE(info.out.find("activated"), std::string::npos) << info.out;
     const ToolOutcome mesh = run_tool({"mesh", path, "--scale", "0.1"});
     EXPECT_EQ(mesh.code, 0) << mesh.err;
-    // Kernels this wide say nothing of the surface: it is that of their centres.
+    // Kernels of this width do not define a surface, so the surface is that of their centres.
     EXPECT_NEAR(mesh.number("volume"), kBallVolume * 1e-3, 0.02 * kBallVolume * 1e-3) << mesh.out;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window whose camera and scene rest.
+// Pictures of a window whose camera and scene are at rest.
 #include <algorithm>
 #include <thread>
 
@@ -55,7 +55,7 @@ TEST_F(WindowClicks, RestsAtFullSize) {
   EXPECT_GT(psnr_db(full, paused), 50);
 }
 
-// A window that waits for events is woken by another thread, as by a message of the server.
+// Another thread wakes a window that waits for events, as a message of the server does.
 TEST_F(WindowHands, WaitEndsWithAMessage) {
   auto display = WindowDisplay::open("wait", 200, 100);
   ASSERT_TRUE(display) << display.error().message;
@@ -80,7 +80,7 @@ TEST_F(WindowHands, WaitEndsWithAMessage) {
     ASSERT_TRUE(planned);
     ASSERT_TRUE((*display)->submit(*planned, {}));
   }
-  EXPECT_LT(seconds_from_ns(now_ns() - begun_ns), kWait_s) << "not one wait was for its whole time";
+  EXPECT_LT(seconds_from_ns(now_ns() - begun_ns), kWait_s) << "no wait took its whole time";
   ended = true;
 }
 

@@ -30,7 +30,7 @@ TEST_F(AnalysisControllerTest, AcceptedAnswerIsAppliedInOneTick) {
   // Between the model's 450 g and the estimate.
   EXPECT_GE(block->mass_kg, std::min(0.45, offline_kg["wood block"]) - 1e-9);
   EXPECT_LE(block->mass_kg, std::max(0.45, offline_kg["wood block"]) + 1e-9);
-  // It is stored with the asset or the scene: the next start sends no question.
+  // The answer is stored with the asset or the scene, so the next start sends no question.
   for (const char* name : {"sponge.physics.json", "open.scene.physics.wood%20block.json"}) {
     const auto kept = read_physics_file(folder / name);
     ASSERT_TRUE(kept);
