@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel_for.h"
 
+#include "core/sanitizers.h"
 #include "core/serial_here.h"
 
 #include <tbb/global_control.h>
@@ -21,7 +22,7 @@ std::mutex control_mutex;  // guards control
 std::unique_ptr<tbb::global_control> control;
 thread_local bool serial_here = false;
 
-#if defined(__SANITIZE_THREAD__)
+#if LIVEGS_THREAD_SANITIZER
 // TBB is not built for the thread sanitizer, which would report each of its hand-overs as a race. This build
 // uses plain threads with relaxed atomics: only their start and join order memory.
 template <class Run>

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/sanitizers.h"
 #include "system/headset/headset_session.h"
 #include "system/support/results_csv.h"
 
@@ -23,11 +24,8 @@ constexpr double kBarP95_ms = 50, kUndisturbedShare = 0.5, kDisturbedP95_ms = 86
 // Bound of the processor time per picture, ms: client, server, network and runtime together. Other load
 // hardly changes it.
 constexpr double kBarCpu_ms = 10;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // times are dominated by the sanitizer
-#else
-constexpr bool kSanitized = false;
-#endif
+// Sanitizers dominate the times.
+constexpr bool kSanitized = LIVEGS_ADDRESS_SANITIZER || LIVEGS_THREAD_SANITIZER;
 
 // Processor time in seconds: all processors since boot, including steal time, and this process.
 struct CpuTimes {

@@ -12,23 +12,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/sanitizers.h"
 #include "system/support/program.h"
 
 // Runs of the tool LIVEGS_TOOL on files of users, with little memory.
 
 namespace livegs {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kLimited = false;  // sanitizers reserve terabytes
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-inline constexpr bool kLimited = false;
-#else
-inline constexpr bool kLimited = true;
-#endif
-#else
-inline constexpr bool kLimited = true;
-#endif
+// Sanitizers reserve terabytes.
+inline constexpr bool kLimited = !LIVEGS_ADDRESS_SANITIZER && !LIVEGS_THREAD_SANITIZER;
 
 // What a run of the tool printed.
 struct ToolOutcome {
