@@ -125,7 +125,7 @@ void announce(const Options& options, livegs::GrpcServer& server, const livegs::
   livegs::log_info("ready on %s", address.c_str());
   if (security) std::fprintf(stderr, "Create a token for a client, here:\n  %s\n", token.c_str());
   std::fprintf(stderr, "Connect a client:\n  %s\n", client.c_str());
-  // The code in the link is a secret for ten minutes, so it goes to terminals only, not to a log.
+  // The code in the link is a secret for ten minutes, so it is printed to terminals only, not to a log.
   if (security && ::isatty(STDERR_FILENO) == 0) {
     std::fprintf(stderr, "Print a link for a browser:\n  %s link\n", ctl.c_str());
     return;

@@ -14,7 +14,7 @@ namespace livegs {
 struct AssetFrame {
   // Axis of the asset that is up: "x", "-x", "y", … . Empty: the file names none; -y is assumed.
   std::string up_axis;
-  // Metres per unit of length, above 0. 0: the file does not say, so the unit is a guess.
+  // Metres per unit of length, above 0. 0: the file states none, so the unit is a guess.
   double metres_per_unit = 0;
   // The unit is that of the format by convention (.spz, glTF), not a statement of the file.
   bool unit_of_format = false;
@@ -24,7 +24,7 @@ struct AssetFrame {
 };
 
 // Stored form of a frame in files of any format: lines of text, one statement each, in PLY as comments.
-//   Vertical Axis: -y            also what other tools write; up is a synonym
+//   Vertical Axis: -y            also written by other tools; up is a synonym
 //   Unit: 0.01 m                 a number of metres, or m, cm, mm, km, in, ft; "unknown" for a guess
 //   Origin: 500000 5400000 30
 // `metric_format`: the format's unit is the metre by convention, so that an unknown unit must be stated.

@@ -5,10 +5,10 @@ namespace livegs {
 
 // Options for reading a file.
 struct ReadOptions {
-  // A .ply stores logarithms of standard deviations and logits of opacities. Some exports store the
-  // standard deviations and opacities themselves ("activated"), and nothing in the file says so.
+  // A .ply stores logarithms of standard deviations and logits of opacities. Some exports store the standard
+  // deviations and opacities themselves ("activated"), and nothing in the file states this.
   enum class Activated {
-    Auto,  // read as activated if only that makes sense; a note says so, or that it is likely
+    Auto,  // activated if the values are invalid otherwise; a note reports this, or that it is likely
     Yes,   // each property whose values allow it is activated
     No
   };

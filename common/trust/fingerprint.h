@@ -9,7 +9,7 @@
 namespace livegs {
 
 // SHA-256 of the DER form of the first certificate in a PEM text, 64 hexadecimal digits. InvalidData if there
-// is no certificate.
+// is not a certificate.
 Result<std::string> certificate_fingerprint(std::string_view pem);
 
 // The pairing code, which the user copies from the server to a client to authenticate the server: the first

@@ -170,7 +170,7 @@ struct DeviceElastic::Fleet {
 
   Backend& backend;
   std::optional<ElasticCost> cost;
-  std::set<std::string> reported;  // what the log has said
+  std::set<std::string> reported;  // reasons that were logged
   std::mutex one_call;             // guards everything below
   Counts counts;
   std::string failure;

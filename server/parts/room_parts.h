@@ -14,10 +14,11 @@
 #include "parts/planes/support_planes.h"
 #include "splat/camera.h"
 
-// Finds the things in a captured room without masks or networks: depth from views, large planes, connected
-// voxels above them, and labels lifted to the kernels by alpha times transmittance. The frame and the unit of
-// length are those of the asset; names of lengths end in _m. All sizes follow from the footprint of a pixel
-// on the surfaces, so results do not depend on the unit. Any thread; deterministic.
+// Finds the things in a captured room without masks or neural networks: depth from views, large planes,
+// connected voxels above them, and labels lifted to the kernels by alpha times transmittance.
+//
+// The frame and the unit of length are those of the asset; names of lengths end in _m. All sizes follow from
+// the footprint of a pixel on the surfaces, so results do not depend on the unit. Any thread; deterministic.
 
 namespace livegs {
 

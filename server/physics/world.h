@@ -144,7 +144,7 @@ class World {
   void add_collider(const Collider& collider);
   // `object_id`: of the static object that the collider belongs to.
   void add_collider(const Collider& collider, uint32_t object_id);
-  // Removes the colliders of a static object, or with 0 those of none. What rests on them wakes.
+  // Removes the colliders of a static object, or with 0 those without an object. Bodies on them wake up.
   void remove_colliders(uint32_t object_id);
   Result<void> add_static(uint32_t object_id, const Pose& world_from_object);
   Result<void> add_rigid(const RigidBodyDescription& description);
@@ -154,8 +154,8 @@ class World {
   // objects.
   void put_to_sleep(uint32_t object_id);
   // Sets an object to its rest shape at a pose, with the motion of a rigid body (centre of mass, world
-  // frame). It wakes, as does what touches it. Fails for static and broken objects, and for solvers that
-  // cannot.
+  // frame). The object and all bodies that touch it wake up. Fails for static and broken objects, and for
+  // solvers that cannot.
   Result<void> place(uint32_t object_id, const Pose& world_from_object,
                      const Eigen::Vector3d& velocity_m_s = Eigen::Vector3d::Zero(),
                      const Eigen::Vector3d& angular_velocity_rad_s = Eigen::Vector3d::Zero());

@@ -33,7 +33,7 @@ const char* room_kind_name(RoomKind kind);
 struct MadeRoomOptions {
   uint64_t seed = 1;         // of textures, and of places in a crowded room
   double spacing_m = 0.004;  // of kernels on things; those of the room are three times as far apart
-  // Leaves out this thing and what it hides and shades; the kernels of the rest are the same.
+  // Omits this thing, and the surface that it hides and shades; the kernels of the rest are the same.
   std::optional<size_t> without = {};
 };
 

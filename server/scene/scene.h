@@ -91,14 +91,14 @@ class Scene {
   // be built again gets a new one. Built from the cache, or on this thread. After an error nothing has
   // changed.
   Result<void> edit(const v1::SceneChange_Edit& edit);
-  // Takes another environment: its asset, colliders and labels. What rests on it wakes. Built from the cache
+  // Replaces the environment: its asset, colliders and labels. Bodies on it wake up. Built from the cache
   // (keep_environment), or on this thread. It is built around the objects as they are after the edits among
   // `later`, the changes that follow in the same tick, so that a repeated run builds what the author's thread
   // built. After an error nothing has changed.
   Result<void> replace_environment(const v1::Environment& environment,
                                    std::span<const v1::SceneChange> later = {});
   // Moves an object towards a pose, at most kMaxCarrySpeed_m_s fast, until it is released or half a second
-  // has passed. It pushes what it meets. Without pose: releases it.
+  // has passed. It pushes obstacles away. Without pose: releases it.
   void carry(const v1::SceneChange_Carry& carry);
   void place_carried();  // at once, while the scene is halted
   static constexpr double kMaxCarrySpeed_m_s = 3.0;
@@ -166,7 +166,7 @@ class Scene {
   };
   std::map<uint32_t, Cuttable> cuttable_;
   std::map<uint32_t, bool> standing_;         // BuiltObject::standing of the file's objects
-  std::map<uint32_t, std::string> cut_keys_;  // cut_key() of the cuts under way
+  std::map<uint32_t, std::string> cut_keys_;  // cut_key() of the running cuts
   struct Carried {
     Pose at, target;
     uint64_t until_tick = 0;

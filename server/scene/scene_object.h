@@ -38,7 +38,7 @@ struct SceneObject {
   bool environment = false;
   bool hidden = false;  // not drawn
   double lift_m = 0;    // of the body's frame above the object's pose, along the object's +y
-  std::string label;    // what the scene file says it is; may be empty
+  std::string label;    // given in the scene file; may be empty
   // Shared with the service that sends it; broken->asset after the object broke.
   std::shared_ptr<const GaussianAsset> asset;
   std::shared_ptr<const BrokenAsset> broken;  // fragile objects only, once prepared

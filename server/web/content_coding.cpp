@@ -12,7 +12,7 @@ namespace livegs {
 namespace {
 
 constexpr int kZstdLevel = 3, kGzipLevel = 4;
-constexpr int kGzipWindowBits = 15 + 16;  // zlib: 16 asks for the header of gzip
+constexpr int kGzipWindowBits = 15 + 16;  // zlib: 16 selects the header of gzip
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);

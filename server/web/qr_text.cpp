@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-constexpr int kQuietZone = 2;  // modules; scanners read it although ISO/IEC 18004 asks for 4
+constexpr int kQuietZone = 2;  // modules; scanners read it although ISO/IEC 18004 requires 4
 constexpr const char* kDarkOnLight = "\x1b[30;107m";
 constexpr const char* kPlain = "\x1b[0m";
 

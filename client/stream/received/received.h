@@ -25,7 +25,7 @@ struct StreamedObject {
   RestBody rest;
   bool environment = false;
   bool hidden = false;  // not drawn
-  std::string label;    // what an author says it is; may be empty
+  std::string label;    // given by an author; may be empty
   double lift_m = 0;    // of the body's frame above the object's pose, along the object's +y
   uint32_t kernel_count = 0;
   double mass_kg = 0;

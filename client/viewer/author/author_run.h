@@ -47,7 +47,7 @@ class AuthorRun {
   void measure(const WindowInput& input, const Camera& window, const SceneView& view);
   void take_things(const WindowInput& input, const Camera& window);
   void frame(const SceneView& view, OrbitCamera& camera) const;
-  // Where the ray through a pixel meets what is drawn, else the floor.
+  // The point at which the ray through a pixel hits a drawn surface, else the floor.
   std::optional<Eigen::Vector3d> floor_at(const Camera& window, const Eigen::Vector2d& pixel,
                                           const SceneView& view) const;
 

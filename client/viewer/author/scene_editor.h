@@ -32,9 +32,9 @@ using EditorCall =
 // An object of the running scene, as the editor needs it.
 struct EditedObject {
   Pose pose;                 // scene_pose()
-  Eigen::Vector3d centre_m;  // of what is drawn
+  Eigen::Vector3d centre_m;  // of the drawn kernels
   double longest_side_m = 0;
-  std::string estimated_label;  // what the analysis takes it for
+  std::string estimated_label;  // label estimated by the analysis
   double confidence = 0;
 };
 
@@ -66,7 +66,7 @@ class SceneEditor {
   std::vector<EditorCall> release(const Camera& camera, const Eigen::Vector2d& mouse_px, bool ctrl);
   const Gizmo& gizmo() const { return gizmo_; }
 
-  // The thing of the captured room under a ray: what it is for a preview, else it is taken.
+  // Takes the thing of the captured room under a ray. `preview`: only requests its description.
   EditorCall take_thing(const Pose& ray, bool preview);
   bool has_room() const { return !document_.scene().environment().asset().empty(); }
 

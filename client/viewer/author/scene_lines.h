@@ -10,8 +10,8 @@
 
 namespace livegs {
 
-// Lines of the scene over a picture: world coordinates in metres, appended to `lines`. What is behind the
-// camera is left out. Pure functions; any thread.
+// Lines of the scene over a picture: world coordinates in metres, appended to `lines`. Parts behind the
+// camera are omitted. Pure functions; any thread.
 void add_line(const Camera& camera, Eigen::Vector3d a, Eigen::Vector3d b, WindowLine::Ink ink, float width_px,
               std::vector<WindowLine>& lines);
 // The edges of a box in its own frame; none of an empty box.

@@ -10,7 +10,7 @@ namespace {
 constexpr double kWeightLength = 0.4;        // relative to the object's size
 constexpr double kUnknownLength_m_n = 0.01;  // for objects without a mass
 constexpr double kMinArrowLength_px = 4;     // shorter arrows are not drawn
-constexpr double kMaxArrowShare = 0.3;       // of the picture's shorter side; larger: hides what is pulled
+constexpr double kMaxArrowShare = 0.3;       // of the picture's shorter side; larger: hides the pulled object
 constexpr double kEdgeMargin_px = 24;        // between the tip and the edge, for the barbs and the outline
 constexpr double kMaxHeadShare = 0.6;        // of the length, for arrows shorter than about 30 px
 

@@ -138,7 +138,7 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
     });
   };
   for (Pending& one : std::exchange(pending_, {})) {
-    if (!one.event.object && room_comes() && !waits(one)) {  // one that never showed goes at once
+    if (!one.event.object && room_comes() && !waits(one)) {  // undrawn objects are removed at once
       later.push_back(std::move(one));
       continue;
     }

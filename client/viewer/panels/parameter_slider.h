@@ -20,7 +20,7 @@ const char* parameter_name(SliderParameter field);  // "Young's modulus"
 Unit parameter_unit(SliderParameter field);
 
 // Values at the ends of a slider. Logarithmic for mass, modulus and impulse: ten times the plausible range to
-// both sides, and the value itself, within what the field can have. Otherwise the whole range of the field.
+// both sides, and the value itself, within the range of the field. Otherwise the whole range of the field.
 struct SliderRange {
   double low = 0, high = 1;
   bool logarithmic = false;

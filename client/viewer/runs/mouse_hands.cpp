@@ -49,7 +49,7 @@ void MouseHands::send_mouse(const WindowInput& input, const Camera& window, bool
 }
 
 void MouseHands::send_script(double seconds, const ScriptedHands::Locate& locate) {
-  // Time goes back when the run waits for its start.
+  // Time decreases when the run waits for its start.
   script_s_ = seconds < asked_s_ ? seconds : script_s_ + std::min(seconds - asked_s_, kMaxScriptStep_s);
   asked_s_ = seconds;
   const InputSample sample = script_->at(script_s_, locate);

@@ -172,7 +172,7 @@ void WindowRun::move_camera(const WindowInput& input) {
   camera_->fly(input.flown, input.passed_s);
 }
 
-// Picks the kernel under the mouse, and selects its object on a click. What was picked stays while neither
+// Picks the kernel under the mouse, and selects its object on a click. The pick stays valid while neither
 // mouse nor scene move.
 void WindowRun::point(const WindowInput& input, const Camera& window) {
   const WindowInput before = std::exchange(pointed_with_, input);
@@ -414,7 +414,7 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
     display_.set_wait(records ? 0 : wait_s());
     const auto planned = display_.wait_frame();
     if (!planned) break;
-    if (picture_.rests()) last_ns = now_ns();  // a wait for events is no time of a picture
+    if (picture_.rests()) last_ns = now_ns();  // a wait for events does not count as the time of a picture
     Result<void> drawn;
     if (!camera_) {
       pictures_.assign(1, Image{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}});

@@ -124,7 +124,8 @@ export function projectArrow(eye, point, force_n, metresANewton) {
 export const metresANewton = (mass_kg, size_m) => (mass_kg > 0 && size_m > 0 ? (0.4 * size_m) / (9.81 * mass_kg) : 0.01);
 
 // Connects a canvas to a camera and a hand. `host` has pick(x_px, y_px) -> object id or null, act(name),
-// changed(), which asks for a picture, and released(), which takes the hand away. Pixels are those of the canvas.
+// changed(), which requests a picture, and released(), which removes the hand. Pixels are those of the
+// canvas.
 export class WindowControls {
   constructor(canvas, camera, host) {
     Object.assign(this, { canvas, camera, host });

@@ -53,7 +53,7 @@ class Page {
 
   reset() {
     this.objects = new Map();
-    this.waitingKernels = new Map(); // until an order that knows them
+    this.waitingKernels = new Map(); // until an order that contains them
     this.waitingRows = new Map(); // of objects without kernels yet
     this.held = [];
     this.run = {};

@@ -312,7 +312,7 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
   }
 
   coloured(kDimInk, row.origin);
-  if (row.edited) {  // on the same line, so that nothing moves when it goes
+  if (row.edited) {  // on the same line, so that nothing moves when it is removed
     const char* name = "To the estimate";
     ImGui::SameLine(width + ImGui::GetStyle().WindowPadding.x - ImGui::CalcTextSize(name).x -
                     2 * ImGui::GetStyle().FramePadding.x);

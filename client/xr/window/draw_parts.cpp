@@ -57,7 +57,7 @@ void PartsDrawer::draw_part(const PartsPanel& panel, size_t index, const std::ve
   tip("Shows its boxes");
   if (panel.selected == index)
     ImGui::GetWindowDrawList()->AddRect(at, {at.x + side_px, at.y + side_px}, kInk, 0, 0, 2);
-  // Name and material share what the other widgets leave.
+  // Name and material share the width that is left by the other widgets.
   const float percent_px = ImGui::CalcTextSize("%").x;
   const float text_px =
       0.5f * (ImGui::GetContentRegionAvail().x - 2 * side_px - scaled(kShare_px) - percent_px - 5 * gap_px);

@@ -102,7 +102,7 @@ struct ScenePanel {
   bool unsaved = false;
   std::string undo, redo;  // titles of the next steps; empty: none
   std::string notice;      // an error; empty: none
-  std::string progress;    // of an edit under way; empty: none
+  std::string progress;    // of the current edit; empty: none
   std::string suggested_file;
   struct Entry {
     std::string name, group;
@@ -190,7 +190,7 @@ struct PanelActions {
     std::string text;
   };
   std::optional<Typed> typed;
-  std::optional<size_t> estimated;  // a row that goes back to its estimate
+  std::optional<size_t> estimated;  // row whose manual value is removed
   std::optional<bool> fragile, show_parts;
   std::optional<bool> parts_open;       // of the section that edits the parts, while it is drawn
   std::optional<size_t> part_selected;  // of its parts

@@ -22,7 +22,7 @@ struct AssetFile {
   AssetFormat format = AssetFormat::Ply;
   int format_version = 0;          // spz 1 to 4, sog 1 or 2; 0 if the format has no version
   bool y_up_in_file = false;       // spz, glTF: stored with x right, y up, z back, and rotated by the reader
-  AssetFrame frame;                // what the file says of axes, unit and place
+  AssetFrame frame;                // axes, unit and place that the file states
   std::vector<std::string> notes;  // changes made while reading, one per line
 };
 

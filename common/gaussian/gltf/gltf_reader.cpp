@@ -102,7 +102,7 @@ void encode_linear_colours(GaussianAsset& asset) {
 }
 
 // Whether the lines of LiveGS in the extras of an object mark its kernels as trained antialiased. `frame`
-// takes the other lines, and `notes` what they do not understand; null: they are ignored.
+// takes the other lines, and `notes` reports unknown ones; null: they are ignored.
 bool read_extras(const Json& object, AssetFrame* frame, std::vector<std::string>* notes) {
   bool antialiased = false;
   const Json& lines = member_of(member_of(object, "extras"), "livegs");

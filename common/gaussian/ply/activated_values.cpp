@@ -13,8 +13,8 @@ namespace {
 
 // Fewest kernels of which anything can be concluded.
 constexpr size_t kMinKernels = 32;
-// Median kernel, one standard deviation, relative to the side of the box of the middle half of the
-// positions. Wider: the object is a blur, so these are no logarithms. Narrower: kernels form a shape.
+// Median kernel, one standard deviation, relative to the side of the box of the middle half of the positions.
+// Wider: the object is a blur, so these are not logarithms. Narrower: kernels form a shape.
 constexpr double kBlur = 0.5;
 constexpr double kShape = 0.25;
 
@@ -60,7 +60,7 @@ Result<void> convert_activated(AssetFile& file, const ReadOptions& options, std:
   GaussianAsset& asset = file.asset;
   Evidence evidence = evidence_of(asset);
   if (options.activated == Activated::Yes) {
-    // The caller knows: a few kernels suffice.
+    // The caller has chosen activated values, so a few kernels suffice.
     evidence.scales_fit = evidence.opacities_fit = true;
     for (size_t i = 0; i < asset.size(); ++i) {
       evidence.scales_fit &= !(asset.log_scales[i].minCoeff() < 0);

@@ -9,7 +9,7 @@
 
 namespace livegs {
 
-// Recognises and converts activated values, as ReadOptions says. `asset` has the values of the file.
+// Recognises and converts activated values, as ReadOptions specifies. `asset` has the values of the file.
 Result<void> convert_activated(AssetFile& file, const ReadOptions& options, std::string_view name);
 
 }  // namespace livegs

@@ -6,7 +6,7 @@
 
 namespace livegs {
 
-// Reads what the comments say of the training and the frame, in any letter case:
+// Reads the statements of the comments about the training and the frame, in any letter case:
 //   SplatRenderMode: mip     written by Brush, gsplat, splat-transform: antialiased; default or 2dgs: not
 //   antialiased 1            Postshot
 //   Vertical Axis: z …       asset_frame.h

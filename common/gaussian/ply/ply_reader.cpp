@@ -162,7 +162,7 @@ void harmonics_of_rgb(const Layout& layout, const PlyElement& vertex, GaussianAs
   for (Eigen::Vector3f& colour : asset.sh_dc) colour = (colour.array() / full - 0.5f) / kShBand0;
 }
 
-// Gives values to what the file leaves out, as the file would state them.
+// Sets default values of missing properties, in the form of the file.
 void fill_missing(const Layout& layout, GaussianAsset& asset) {
   for (Eigen::Vector3f& scale : asset.log_scales) {
     if (layout.scale_count == 2) scale.z() = scale.head<2>().minCoeff();

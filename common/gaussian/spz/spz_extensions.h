@@ -6,9 +6,9 @@
 #include "gaussian/asset/bytes.h"
 #include "gaussian/asset_frame.h"
 
-// Extension records of .spz: u32 type, u32 length, then the payload. Readers skip types that they do not
-// know. Versions 1 to 3 have them after the planes, version 4 between header and table; a flag of the header
-// says so.
+// Extension records of .spz: u32 type, u32 length, then the payload. Readers skip unknown types. Versions 1
+// to 3 have them after the planes, version 4 between header and table. A flag of the header marks their
+// presence.
 
 namespace livegs {
 

@@ -22,9 +22,9 @@ enum class DepthOrder {
 
 // Standard deviations of an environment's kernel along the view that are added to its depth in the drawing
 // order. Kernels are ordered by their centres, so the wide kernels of a floor that lie nearer to the eye
-// would cover what rests on it. Like the slope-scaled depth bias of decals, this orders a surface behind
-// objects that are within two of its standard deviations. Less lets the floor show through thin objects, more
-// draws objects that it hides.
+// would cover objects on it. Like the slope-scaled depth bias of decals, this orders a surface behind objects
+// that are within two of its standard deviations. Smaller: the floor covers thin objects. Larger: hidden
+// objects are drawn.
 inline constexpr float kEnvironmentOrderBias = 2.0f;
 // The bias of one object; `environments` has the ids of those that are an environment.
 inline float order_bias(uint32_t object_id, std::span<const uint32_t> environments) {

@@ -45,6 +45,6 @@ uint touched_blocks(SplatRow row, float rim_value, vec2 corner, uint width_px) {
   return blocks;
 }
 
-// A mask as a float that is no denormal, and back.
+// A mask as a normal float, and back.
 float float_of_blocks(uint blocks) { return uintBitsToFloat(blocks | 0x3f800000u); }
 uint blocks_of_float(float value) { return floatBitsToUint(value) & 0xffu; }

@@ -167,7 +167,7 @@ double PictureLoss::evaluate(const PicturePlanes& picture, const PicturePlanes& 
   for (size_t colour = 0; colour < 3; ++colour) {
     const float* x = seen[colour];
     if (!counts.empty()) {
-      // Pixels that do not count are equal in both pictures.
+      // Ignored pixels are equal in both pictures.
       clamped_.resize(count);
       for (size_t i = 0; i < count; ++i) clamped_[i] = counts[i] != 0 ? x[i] : wanted[colour][i];
       x = clamped_.data();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kerbl et al. 2023, algorithm 2. The way back runs front to back too: with C the final colour and g = dL/dC,
-// the part of g . C behind kernel i is what is left after subtracting the parts in front, so neither lists of
-// a pixel nor divisions that recover transmittance are needed:
+// Kerbl et al. 2023, algorithm 2. The backward pass also runs front to back. With C the final colour and g =
+// dL/dC, the part of g . C behind kernel i is the remainder after subtracting the parts in front. Neither
+// lists per pixel nor divisions that recover transmittance are needed:
 //   dL/dalpha_i = T_i (g . c_i) - left_i / (1 - alpha_i)
 #include "train/render/blend_tile.h"
 

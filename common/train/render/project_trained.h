@@ -14,8 +14,8 @@ namespace livegs {
 bool project_trained(const Projection& projection, const KernelParameters& parameters, size_t kernel,
                      int sh_degree, const RenderCuts& cuts, ProjectedKernel& ellipse);
 
-// Derivatives of the loss by what the pixels of one kernel see. With d = pixel - centre, alpha the opacity at
-// the pixel and G = alpha dL/dalpha (0 where alpha is at its limit or was skipped):
+// Derivatives of the loss by the projected values of one kernel. With d = pixel - centre, alpha the opacity
+// at the pixel and G = alpha dL/dalpha (0 where alpha is at its limit or was skipped):
 struct EllipseGradient {
   float sum = 0;                       // sum of G
   float x = 0, y = 0;                  // of G d

@@ -15,7 +15,7 @@ constexpr size_t kMaxLeaves = 12;
 constexpr double kMinGain = 0.01;
 constexpr int kCutBins = 64;  // candidate cuts along each side of a leaf, 65 with both ends
 // Margin around the points of a box, a fraction of the diagonal of all: the surface of the body is not at
-// kernel centres. Larger: boxes take in more of what is next to them.
+// kernel centres. Larger: boxes include more of their neighbours.
 constexpr double kBoxMargin = 0.03;
 
 // Share of the weight of a box or part beyond its bounds on each side: stray kernels.
@@ -172,7 +172,8 @@ class BoxTree {
   void collect(size_t at, std::vector<std::vector<Eigen::AlignedBox3d>>& boxes) const {
     const BoxTreeNode& node = nodes_[at];
     if (node.low < 0) {
-      // Only as far as its own points reach: what lies outside, such as leaves next to a pot, is the rest.
+      // Only as far as its own points reach. Points outside, such as leaves next to a pot, belong to the
+      // rest.
       std::vector<uint32_t> own_points;
       for (const uint32_t i : node.points) {
         if (points_.labels[i] == node.label()) own_points.push_back(i);

@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-// Least share of a kernel's votes for its part; below, its pixels contradict each other and it says nothing.
+// Least share of a kernel's votes for its part. Below, its pixels contradict each other and it is ignored.
 constexpr double kMinVoteShare = 0.6;
 // Least share of the surface that votes decide, that a part has, and that the boxes in space reproduce.
 constexpr double kMinDecidedShare = 0.3, kMinPartShare = 0.003, kMinAgreement = 0.75;
@@ -54,7 +54,7 @@ std::vector<std::vector<float>> picture_votes(std::span<const PictureSights> pic
   std::vector<std::vector<float>> votes(parts.size(), std::vector<float>(kernel_count, 0.0f));
   for (size_t index = 0; index < pictures.size(); ++index) {
     const PictureSights& picture = pictures[index];
-    // A picture on which no part is marked says nothing, not even about the rest.
+    // A picture without marked parts is ignored, also for the remaining volume.
     const bool marked = std::any_of(parts.begin(), parts.end(), [&](const BoxedPart& part) {
       return std::any_of(part.boxes.begin(), part.boxes.end(),
                          [&](const PictureBox& box) { return box.picture == index; });

@@ -68,7 +68,7 @@ Size true_size(const ObjectRow& row, const ObjectFacts& facts) {
 }
 
 // Error of density times filled volume for the typical object of the class, in ln(mass). Assemblies are less
-// full than their outline; the surface of a bed or a chair says little.
+// full than their outline, so the surface of a bed or a chair gives little information.
 double own_misfit(const ObjectRow& row) {
   const double volume_m3 = row.box_filling * row.size_m.best * row.middle_m * row.short_m;
   return std::log(row.mass_kg / (material_row(row.material).density_kg_m3.best * volume_m3));

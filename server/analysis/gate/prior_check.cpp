@@ -170,7 +170,7 @@ double likelihood_ratio(const LogNormal& mass, const ObjectClasses& classes, con
   return mixture_density_ln(mixture, mass.mean_ln) / highest;
 }
 
-// Compares the mass with the classes of the object, and with those of what the answer names. If the current
+// Compares the mass with the classes of the object, and with those of the answer's name. If the current
 // estimate is another one, because a user gave a fill or a wall, it replaces the classes of the object.
 std::string unlikely_mass(const Answer& answer, const ObjectFacts& facts, const EstimatedValue& estimate) {
   const LogNormal answered = log_normal_of(answer.mass_kg);

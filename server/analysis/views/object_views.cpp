@@ -29,13 +29,13 @@ constexpr double kSteepBonus = 0.85;  // most objects are seen and photographed 
 constexpr double kCloseRingDistance = 0.5;
 constexpr double kMinVisibleShare = 0.3;        // visible share below which the close ring is tried
 constexpr double kMinViewSeparation_rad = 0.9;  // between views of one object
-// Margin around the target in the outlined picture, as a fraction of the target's extent: what it stands on
-// and what is next to it are seen.
+// Margin around the target in the outlined picture, as a fraction of the target's extent. The picture then
+// shows the support and the neighbours of the target.
 constexpr double kOutlinedMargin = 0.25;
 // Margin around the target alone.
 constexpr double kCutoutMargin = 0.05;
-// Views that add surface within steps of this fraction of what a view shows are alike: kernels on the rim are
-// seen larger edge-on, a few percent in sum.
+// Step of the added surface, as a fraction of the surface in a view. Views within one step count as equal,
+// because kernels on the rim appear larger edge-on, a few percent in sum.
 constexpr double kAddedStep = 0.05;
 // Number of kernels in thumbnails: of the target, and of everything else.
 constexpr size_t kTargetKernels = 30'000, kOtherKernels = 120'000;
@@ -171,8 +171,8 @@ double sum_of(const std::vector<float>& kernels_px) {
   return std::accumulate(kernels_px.begin(), kernels_px.end(), 0.0);
 }
 
-// Surface that a view adds to what is seen already, in steps of kAddedStep of `whole_px`: for each kernel the
-// pixels by which it is seen larger.
+// Surface that a view adds to the surface of other views, in steps of kAddedStep of `whole_px`: for each
+// kernel the additional pixels.
 double added_steps(const std::vector<float>& view_px, const std::vector<float>& seen_px, double whole_px) {
   double added = 0;
   for (size_t i = 0; i < view_px.size(); ++i) added += std::max(0.0f, view_px[i] - seen_px[i]);
@@ -304,8 +304,8 @@ Camera sight_camera(Camera camera) {
   return camera;
 }
 
-// Every `stride`-th kernel with its weight per pixel of `camera`. Pixels of which `mask`, a picture of the
-// same view, shows something else do not count; null: all count.
+// Every `stride`-th kernel with its weight per pixel of `camera`. `mask`: a picture of the same view; pixels
+// in which it shows other objects are ignored; null: none are.
 PictureSights sights_of(const DrawnObject& target, const Camera& camera, const Image* mask, size_t stride) {
   const Camera small = sight_camera(camera);
   PictureSights sights;

@@ -18,7 +18,7 @@ constexpr double kMaxFirstFrame_s = 3600;
 constexpr double kMaxCameraPixels = 40e6;
 constexpr uint64_t kProgressTicks = 500;
 
-// Names and quantities that the request asks for.
+// Requested names and quantities.
 Result<std::vector<std::pair<std::string, std::vector<FitQuantity>>>> wanted_objects(
     const FitRequest& request, const Scene& scene) {
   if (!request.objects.empty()) {

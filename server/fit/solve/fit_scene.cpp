@@ -29,11 +29,11 @@ constexpr int kIterations = 10;
 constexpr double kSearchSd_px = 2.0;
 // Factor within which a simulation has a stiffness or a loss factor, nine times in ten (ElasticBand::Exact).
 constexpr double kMethodRange = 1.05;
-// Stiffness and mass by kJointFactor together move the paths by less than kUnseenChange of what the stiffness
-// alone does: only their ratio is seen.
+// If stiffness and mass by kJointFactor together move the paths by less than kUnseenChange of the change by
+// the stiffness alone, only their ratio is measured.
 constexpr double kJointFactor = 1.3, kUnseenChange = 0.1;
 
-// Distance of a tracked point from the picture's corner, over its longer side, that is no error of the file.
+// Largest distance of a tracked point from the picture's corner, over the longer side, without an error.
 constexpr double kMaxOutside = 10.0;
 // Part of the uncertainty that a recording takes away from a value that it shows; others stay as they were.
 constexpr double kShown = 0.5;

@@ -40,7 +40,7 @@ double robust_weight(double squared) { return 1.0 / (1.0 + squared / (kOutlier_s
 
 }  // namespace
 
-// The simulations behind all residuals: Ceres asks for many residuals at one place, which is simulated once.
+// The simulations behind all residuals. Ceres evaluates many residuals at one point, which is simulated once.
 class MotionEvaluation : public ceres::EvaluationCallback {
  public:
   MotionEvaluation(MotionProblem& problem, const MotionProblem::Unknowns& from, double sd_px)
@@ -171,7 +171,7 @@ Result<void> MotionProblem::choose_resolution(const Eigen::VectorXd& log_values,
   v1::Scene chosen = scene_at(log_values);
   for (v1::Object& object : *chosen.mutable_objects()) object.clear_resolution();
   for (int i = 0; i < chosen.objects_size(); ++i) {
-    // What the author asked for stays.
+    // Settings of the scene file stay.
     if (written_resolution_.count(i))
       *chosen.mutable_objects(i)->mutable_resolution() = written_resolution_.at(i);
   }

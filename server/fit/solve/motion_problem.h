@@ -39,9 +39,10 @@ class MotionProblem {
   size_t simulations() const { return simulations_; }
 
   v1::Scene scene_at(const Eigen::VectorXd& log_values) const;
-  // Cells and substeps from now on: those that the program chooses at these values. A fit over several
-  // resolutions would see their steps. With `headroom` there are more substeps: the stiffness that a lattice
-  // reaches goes with their square, and without them values above these would be clipped and all look alike.
+  // Fixes cells and substeps to those that the program chooses at these values, because a change of
+  // resolution during a fit would be a discontinuity. With `headroom` there are more substeps. The maximum
+  // stiffness of a lattice grows with their square; without headroom, larger values would be clipped to equal
+  // results.
   Result<void> choose_resolution(const Eigen::VectorXd& log_values, bool headroom);
 
   // Tracks to compare: all up to this frame. More frames are more exact but have more false minima.
@@ -62,8 +63,8 @@ class MotionProblem {
   double spread_px(const PointPaths& paths, const Unknowns& at) const;
 
   // Improves the unknowns by Levenberg-Marquardt (Ceres), with Cauchy's loss. A stiffness rises at most to
-  // what the chosen resolution reaches: above, all values look alike. Calls `step` after each iteration with
-  // the unknowns and the spread; false stops.
+  // the maximum of the chosen resolution, because larger values give equal results. Calls `step` after each
+  // iteration with the unknowns and the spread; false stops.
   using Step = std::function<bool(const Unknowns&, double spread_px)>;
   Result<Unknowns> improve(Unknowns from, int max_iterations, const Step& step);
 

@@ -8,9 +8,9 @@
 
 #include "geometry/triangle_mesh.h"
 
-// The flat base of a captured thing, on which it stands. A capture shows no underside: what lies there is
-// haze, a rim, or a hole closed by the reconstruction, and a body with that as its base falls over although
-// the thing stood. Object frame, +Y up, metres. Pure functions.
+// The flat base of a captured object, on which it stands. A capture shows no underside. The captured base is
+// haze, a rim, or a hole closed by the reconstruction, and a body on it would fall over although the object
+// stood. Object frame, +Y up, metres. Pure functions.
 
 namespace livegs {
 
@@ -24,7 +24,7 @@ struct StandingBase {
   Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();  // x, z; mean of the corners of the base
 };
 
-// Slope on which a thing that stands may not topple yet, as a tangent; 3 degrees.
+// Slope on which a standing object must not topple, as a tangent; 3 degrees.
 inline constexpr double kStandingMargin = 0.05;
 
 // The lowest plane whose base, the convex hull of the points up to a small height above it, carries the

@@ -58,7 +58,7 @@ float weight_around(const KernelGraph& graph, const std::vector<uint32_t>& brush
 }
 
 // Number of edges to the nearest click of a kind, within the divided part of the click. Edges of no weight
-// count: a patch of another colour is no other thing.
+// count: a patch of another colour is not another thing.
 std::vector<uint32_t> steps_from(const KernelGraph& graph, std::span<const uint16_t> label,
                                  std::span<const Role> role, std::span<const Click> clicks, bool take) {
   std::vector<uint32_t> steps(label.size(), kUnreached);
@@ -84,7 +84,7 @@ CutThing cut_thing(const KernelGraph& graph, std::span<const uint16_t> label, st
   uint16_t most = 0;
   for (const uint16_t one : label) most = std::max(most, one);
   std::vector<Role> role(most + size_t{1}, kNone);
-  std::vector<uint32_t> corrected;  // kernels whose label is no evidence
+  std::vector<uint32_t> corrected;  // kernels whose label is ignored
   for (const Click& click : clicks) {
     const uint16_t own_label = label[click.kernel];
     if (!click.take || (own_label != 0 && role[own_label] == kWanted)) continue;

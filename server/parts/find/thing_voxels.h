@@ -37,8 +37,8 @@ uint32_t support_below(const RoomPlanes& planes, const Eigen::Vector3d& point_m,
 
 // 1. Points above a support and away from walls become voxels.
 // 2. Floaters are dropped: voxels that more views see through than see.
-// 3. Connected voxels that touch their support or a wall are things. What touches the underside of a support
-//    is furniture and stays with the room, and so do specks.
+// 3. Connected voxels that touch their support or a wall are things. Voxels that touch the underside of a
+//    support are furniture. They stay with the room, and so do specks.
 ThingVoxels thing_voxels(std::span<const ViewPoint> points, std::span<const RoomView> views,
                          const RoomPlanes& planes, const PartScale& scale);
 

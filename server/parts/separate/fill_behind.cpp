@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 constexpr double kThingFoot_voxels = 2.5;  // height of a thing that counts as its foot
 constexpr double kFootCell_voxels = 1.2;   // cells of the area of a foot; below one it falls apart
 // Width around the foot in which kernels of the room carry colours of the thing; less leaves a ring of them,
-// more replaces what was seen.
+// more replaces visible surface.
 constexpr double kMargin_voxels = 1.2;
 constexpr double kOffPlane_voxels = 1.5;  // of a surface that is not the plane
 constexpr int kRing_px = 4;               // width of the rim that is compared
@@ -219,7 +219,7 @@ PlanePicture look_at_plane(const SplitRoom& room, const RoomParts& parts, const 
   camera.focal_x_px = camera.focal_y_px = 0.5 * edge * height_m / half_m;
   camera.near_m = 0.05 * height_m;
   const ViewRays rays(camera);
-  // Only what is near the plane: a shelf or a lamp above it must not hide it.
+  // Only kernels near the plane: a shelf or a lamp above it must not hide it.
   GaussianAsset near;
   near.sh_degree = room.asset.sh_degree;
   near.antialiased = room.asset.antialiased;

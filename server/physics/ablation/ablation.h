@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-// Mechanisms of the solvers that can be left out one at a time, which shows what each is for and what it
+// Mechanisms of the solvers that can be disabled one at a time, which shows the purpose of each and what it
 // costs (tests/bench/ablation). Only in a build with LIVEGS_ABLATION, by the environment variable
 // LIVEGS_WITHOUT; otherwise nothing is left out, at no cost.
 

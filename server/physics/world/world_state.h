@@ -172,7 +172,7 @@ struct World::State {
   const WorldObject* find(uint32_t object_id) const;
   void list_bodies();
   void wake_all();
-  // Wakes what touches the object, and drops the contacts with it.
+  // Wakes bodies that touch the object, and drops the contacts with it.
   void end_contacts_of(uint32_t object_id);
   Result<void> add_joint(const HingeJointDescription& description, bool hinge);
   void link_joints();  // rebuilds joint groups after joints or bodies changed

@@ -133,7 +133,7 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
 Result<Form> cached_form(const v1::Object& object, const std::filesystem::path& folder, int index,
                          const std::string& name, const std::string& field, BuildCache& cache) {
   if (object.form_case() != v1::Object::kAsset) return form_of(object, folder, index, name, field);
-  v1::Object read;  // what the form of an asset depends on, with its name
+  v1::Object read;  // fields on which the form of an asset depends, with its name
   read.set_asset(object.asset());
   if (object.has_scale()) read.set_scale(object.scale());
   if (object.has_assumed_scale()) read.set_assumed_scale(object.assumed_scale());
@@ -328,7 +328,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   };
   const std::string name = object_name(object, index);
   const bool shape = object.form_case() == v1::Object::kShape;
-  // The analysis reads what an object is, and of what, from one phrase: "oak stool".
+  // The analysis reads the kind and the material of an object from one phrase: "oak stool".
   const std::string identity = (object.material().empty() ? "" : object.material() + " ") +
                                (object.label().empty() ? name : object.label());
   auto form = cached_form(object, folder, index, identity, field, *cache);

@@ -29,7 +29,7 @@ std::vector<FrictionBox> part_friction(const v1::PhysicalParameters& parameters)
 
 // Adds the parts as material regions before those of the scene file, and sets their density_kg_m3. E* is s E
 // of the part's material; that of the body where both are of one class. A part is at most ten times as stiff
-// as the body: what bends less is not visible, and it would take the stiffness from the others
+// as the body. A stiffer part looks the same, and would reduce the stiffness of the others
 // (lattice_resolution.h).
 std::vector<std::string> add_part_regions(v1::PhysicalParameters& parameters, ElasticBodyDescription& body);
 

@@ -20,7 +20,7 @@ struct PlacedAsset {
   std::shared_ptr<const GaussianAsset> asset;
   Similarity object_from_asset;
   bool scale_known = false;                    // given by the scene file or the format, not guessed
-  bool scale_by_name = false;                  // guessed from the usual size of what the name says
+  bool scale_by_name = false;                  // guessed from the usual size of objects of this name
   bool up_known = false;                       // given by the scene file or the format
   std::string scale_reason;                    // one sentence
   std::vector<Eigen::Vector3d> body_points_m;  // positions of the kernels that form the body, object frame
@@ -29,7 +29,7 @@ struct PlacedAsset {
 // Reads `path`, rotates `up` (if empty: the axis that the file names, else "-y") to +Y and scales to metres.
 // Without `scale`, the scale is chosen by the first rule that applies:
 // - The unit that the file states.
-// - The metre of the format (.spz, glTF), unless the file says that it is a guess, or the size is impossible
+// - The metre of the format (.spz, glTF), unless the file marks it as a guess, or the size is impossible
 //   for the name: converters write these formats without knowing a unit.
 // - An asset whose size fits its name is metric.
 // - An asset with a known name gets the usual size of that object.

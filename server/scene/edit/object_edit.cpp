@@ -67,11 +67,11 @@ Result<void> set_fields(v1::Object& object, const v1::ObjectEdit& edit) {
   return {};
 }
 
-// Whether an edit of an asset may change its scale, which a guess takes from what the object is.
+// Whether an edit of an asset may change its scale. A guessed scale depends on the kind of the object.
 bool may_resize(const v1::ObjectEdit& edit) {
   bool resizes = edit.has_longest_side_m();
   for (const std::string& field : edit.fields()) {
-    if (field == "pose") return false;  // the author says where it goes
+    if (field == "pose") return false;  // the author gives the place
     resizes |=
         field == "label" || field == "name" || field == "scale" || field == "up" || field == "material";
   }
@@ -137,7 +137,7 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
       return Error{set.error().code, "object \"" + before + "\": " + set.error().message};
     if (object.name().empty()) object.set_name(before);
     if (object.name() != before) {
-      // A name is only a name: what the object is stays what it was taken for.
+      // A new name does not change the kind of the object.
       if (object.label().empty()) object.set_label(before);
       object.set_name(free_name(scene, object.name(), index));
       rename_references(scene, before, object.name());

@@ -28,7 +28,7 @@
 namespace livegs {
 namespace {
 
-// A carried object is released if no call comes for this time.
+// A carried object is released if no call arrives for this time.
 constexpr double kCarryTimeout_s = 0.5;
 // Fastest turn of a carried object, rad/s.
 constexpr double kMaxCarryTurn_rad_s = 2.0 * M_PI;
@@ -298,7 +298,7 @@ void Scene::move_carried() {
     const Eigen::Vector3d spin = angle / tick_s * turn.axis();
     const Eigen::Vector3d arm = world_->world_point(id, centre_of(id)) - held.at.position_m;
     if (!world_->place(id, held.at, way / tick_s + spin.cross(arm), spin)) {
-      at = carried_.erase(at);  // a broken object; the edit at the end of the drag says so
+      at = carried_.erase(at);  // a broken object; the edit at the end of the drag reports it
       continue;
     }
     held.at = next;

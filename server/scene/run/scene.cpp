@@ -89,7 +89,7 @@ void log_built(const BuiltObject& built) {
            built.build_ms, drawn.surface_note.empty() ? "" : "; ", drawn.surface_note.c_str());
 }
 
-// A cut and what its key has the addresses of.
+// A cut, and the data whose addresses are in its key.
 struct KeptCut {
   FragileObject pieces;
   std::vector<std::shared_ptr<const void>> inputs;

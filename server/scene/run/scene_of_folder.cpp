@@ -52,7 +52,7 @@ bool names_environment(const std::string& stem) {
 // Finds the assets under `folder`, one per stem, sorted by path.
 std::map<std::string, fs::path> find_assets(const fs::path& folder) {
   std::map<std::string, std::pair<int, fs::path>> best;
-  std::vector<std::string> streamed;  // folders of streamed assets: their chunks are no assets
+  std::vector<std::string> streamed;  // folders of streamed assets: their chunks are not assets
   std::error_code error;
   auto walk = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && walk != fs::recursive_directory_iterator(); walk.increment(error)) {

@@ -13,8 +13,8 @@ namespace livegs {
 
 // Bandwidth limit of one client: of its stream and of its fetches of assets together. A token bucket: any T
 // seconds carry at most cap * (T + kBurst_s) bytes plus one message; see proto/frame_format.md, "Deferred
-// objects". Frames come first: they may spend all that has accumulated, and assets take what exceeds
-// kFrameShare of a full bucket. Any thread.
+// objects". Frames have priority: they may spend the whole balance, and assets take what exceeds kFrameShare
+// of a full bucket. Any thread.
 class SendBudget {
  public:
   // Unused budget accumulates for this time, since frames of a sudden motion are larger than frames at rest.

@@ -87,7 +87,7 @@ bool remove_collider(const v1::Collider& collider, v1::Environment& environment)
   return false;
 }
 
-// Labels for the graph of a room: fills and undersides are no surfaces that rays of users divide.
+// Labels for the graph of a room: rays of users do not divide fills and undersides.
 std::vector<uint16_t> joined_labels(const LabelledRoom& room) {
   std::vector<uint16_t> label = room.label;
   for (uint16_t& one : label) {

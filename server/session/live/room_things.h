@@ -91,12 +91,12 @@ class RoomThings {
   mutable std::string frame_stamp_;
   mutable AssetFrame named_frame_;  // of the asset
   std::mutex starting_;             // guards thread_; taken before mutex_
-  mutable std::mutex mutex_;        // guards what follows, up to failed_
+  mutable std::mutex mutex_;        // guards the members down to failed_
   std::string asset_;               // of the rooms
-  // By file of labels; "" has what a search found.
+  // By file of labels; "": results of a search.
   std::map<std::string, std::shared_ptr<const Room>> rooms_;
   std::vector<RoomSolid> solids_;         // of the search; empty before it
-  std::optional<std::string> searching_;  // file of labels of the search or reading under way
+  std::optional<std::string> searching_;  // file of labels of the current search or reading
   double progress_ = 0;
   std::optional<std::pair<std::string, std::string>> failed_;  // file of labels, reason
   Shown shown_;                                                // not guarded: the thread of edits

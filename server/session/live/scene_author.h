@@ -27,7 +27,7 @@ class SceneAuthor final : public AuthorControl {
   // this.
   SceneAuthor(SceneDocument document, const SceneOptions& options, SimulationLoop& loop,
               AnalysisController& analysis);
-  ~SceneAuthor() override;  // ends after the edit under way
+  ~SceneAuthor() override;  // ends after the current edit
 
   void edit(v1::EditSceneRequest request, Answer<v1::EditSceneReply> answer) override;
   void undo(bool redo, Answer<v1::EditSceneReply> answer) override;
@@ -54,7 +54,7 @@ class SceneAuthor final : public AuthorControl {
  private:
   void run(std::stop_token stop);
   bool post(std::function<void()> task);
-  // Builds what the step needs and hands it to the simulation.
+  // Builds the objects of the step and passes them to the simulation.
   Result<std::vector<std::string>> apply(const v1::Scene& before, const v1::Scene& after,
                                          const Renames& renames);
   void keep_sidecars(const v1::Scene& before, const v1::Scene& after, const Renames& renames) const;

@@ -55,7 +55,7 @@ class ContactLanes {
   const RigidIsland& island_;
   double step_s_;
   ContactSoftness soft_;
-  std::vector<RigidBody*> bodies_;  // slot 0: what does not move, null
+  std::vector<RigidBody*> bodies_;  // slot 0: static bodies, null
   std::vector<Motion> motion_;
   std::vector<BodyPose> poses_;
   std::vector<Batch> batches_;
