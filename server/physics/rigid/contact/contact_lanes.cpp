@@ -6,6 +6,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "physics/rigid/contact/contact_friction.h"
 #include "physics/rigid/contact/contact_point.h"
 #include "physics/rigid/rigid_body.h"
 
@@ -29,11 +30,6 @@ inline Wide3 cross(const Wide3& a, const Wide3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline Wide larger(const Wide& a, const Wide& b) { return a > b ? a : b; }
-inline Wide smaller(const Wide& a, const Wide& b) { return a < b ? a : b; }
-inline Wide root(Wide a) {
-  for (int i = 0; i < kLanes; ++i) a[i] = std::sqrt(a[i]);
-  return a;
-}
 inline Wide inverse_or_zero(const Wide& a) { return a > 0.0 ? 1.0 / a : all(0.0); }
 inline bool any(const WideMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 inline void set(Wide3& lanes, int lane, const Eigen::Vector3d& value) {
@@ -82,6 +78,16 @@ struct PointLanes {
 
 }  // namespace
 
+template <>
+struct FrictionMath<Wide> {
+  static bool every(const WideMask& mask) { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
+  static Wide root(Wide a) {
+    for (int i = 0; i < kLanes; ++i) a[i] = std::sqrt(a[i]);
+    return a;
+  }
+  static Wide size(const Wide& a) { return a > 0.0 ? a : -a; }
+};
+
 // The velocities of a body, and the angular momentum that impulses have given it since store_motion.
 struct ContactLanes::Motion {
   Wide velocity;  // x, y, z, inverse mass
@@ -100,15 +106,14 @@ struct ContactLanes::Batch {
   int count = 0, points = 0;
 
   PointLanes point[kMaxManifoldPoints];
-  // Friction acts at the centre of pressure, along two tangents, and about the normal.
+  // Friction acts at the mean of the points, along two tangents, and about the normal.
   Wide3 normal, tangent, bitangent, arm_a_m, arm_body_m;
   WideMask turns;
   RowLanes along, across;
-  Wide mass_xx, mass_xy, mass_yy;  // of both tangents
-  Wide along_n_s, along_counted_n_s, across_n_s, across_counted_n_s;
   Wide3 twist_turn_a, twist_turn_b;
-  Wide twist_mass, twist, twist_counted, twist_radius_m;
-  Wide friction, push_speed_m_s;
+  ContactFriction<Wide> friction;
+  InPlane<Wide> friction_counted;
+  Wide push_speed_m_s;
 };
 
 namespace {
@@ -158,10 +163,12 @@ inline void apply(MotionLanes& a, MotionLanes& b, const Wide3& direction, const 
   b.push(-impulse, direction, row.turn_b);
 }
 
-inline void apply_twist(MotionLanes& a, MotionLanes& b, const Wide3& turn_a, const Wide3& turn_b,
-                        const Wide& impulse) {
-  a.spin = a.spin + impulse * turn_a;
-  b.spin = b.spin - impulse * turn_b;
+template <typename Batch>
+inline void apply_friction(MotionLanes& a, MotionLanes& b, const Batch& batch, const InPlane<Wide>& impulse) {
+  apply(a, b, batch.tangent, batch.along, impulse.x);
+  apply(a, b, batch.bitangent, batch.across, impulse.y);
+  a.spin = a.spin + impulse.turn * batch.twist_turn_a;
+  b.spin = b.spin - impulse.turn * batch.twist_turn_b;
 }
 
 // Deviation of a rotating point from its straight path in a step, along the normal. Without it, the next
@@ -266,10 +273,10 @@ void ContactLanes::read_manifolds() {
       batch.bitangent = {all(0.0), all(0.0), all(1.0)};
       batch.arm_a_m = batch.arm_body_m = {all(0.0), all(0.0), all(0.0)};
       batch.turns = WideMask{};
-      batch.along_n_s = batch.across_n_s = batch.twist = batch.twist_radius_m = all(0.0);
-      batch.friction = batch.push_speed_m_s = all(0.0);
+      batch.push_speed_m_s = all(0.0);
     }
-    batch.along_counted_n_s = batch.across_counted_n_s = batch.twist_counted = all(0.0);
+    batch.friction = {};
+    batch.friction_counted = {};
     for (int p = 0; p < batch.points; ++p) {
       batch.point[p] = PointLanes{};
       batch.point[p].separation_m = all(1.0);
@@ -285,11 +292,9 @@ void ContactLanes::read_manifolds() {
       set(batch.arm_a_m, lane, manifold.arm_a_m);
       set(batch.arm_body_m, lane, manifold.arm_body_m);
       batch.turns[lane] = manifold.turns ? -1 : 0;
-      batch.along_n_s[lane] = tangent.dot(manifold.friction_impulse_n_s);
-      batch.across_n_s[lane] = bitangent.dot(manifold.friction_impulse_n_s);
-      batch.twist[lane] = manifold.twist_impulse;
-      batch.twist_radius_m[lane] = manifold.twist_radius_m;
-      batch.friction[lane] = manifold.friction;
+      batch.friction.impulse.x[lane] = tangent.dot(manifold.friction_impulse_n_s);
+      batch.friction.impulse.y[lane] = bitangent.dot(manifold.friction_impulse_n_s);
+      batch.friction.impulse.turn[lane] = manifold.twist_impulse;
       batch.push_speed_m_s[lane] = manifold.push_speed_m_s;
       for (int p = 0; p < manifold.point_count; ++p) {
         const ContactPoint& from = manifold.points[static_cast<size_t>(p)];
@@ -300,6 +305,10 @@ void ContactLanes::read_manifolds() {
         point.turns[lane] = from.turns ? -1 : 0;
         point.separation_m[lane] = from.separation_m;
         point.impulse_n_s[lane] = from.impulse_n_s;
+        auto& friction = batch.friction.points[static_cast<size_t>(p)];
+        friction.friction[lane] = from.friction;
+        friction.x_n_s[lane] = tangent.dot(from.friction_impulse_n_s);
+        friction.y_n_s[lane] = bitangent.dot(from.friction_impulse_n_s);
         const double acceleration = closing_acceleration_m_s2(*contact.owner, manifold, from);
         point.acceleration_m_s2[lane] = acceleration;
         point.restitution_speed_m_s[lane] = manifold.restitution_speed_m_s;
@@ -355,11 +364,12 @@ void ContactLanes::count_momentum() {
       counted = impulse;
       return given;
     };
-    const Wide along = take(batch.along_n_s, batch.along_counted_n_s);
-    const Wide across = take(batch.across_n_s, batch.across_counted_n_s);
-    const Wide twist = take(batch.twist, batch.twist_counted);
-    Wide3 sum_a = along * batch.along.lever_a + across * batch.across.lever_a + twist * batch.normal;
-    Wide3 sum_b = along * batch.along.lever_b + across * batch.across.lever_b + twist * batch.normal;
+    const InPlane<Wide> friction = batch.friction.impulse - batch.friction_counted;
+    batch.friction_counted = batch.friction.impulse;
+    Wide3 sum_a =
+        friction.x * batch.along.lever_a + friction.y * batch.across.lever_a + friction.turn * batch.normal;
+    Wide3 sum_b =
+        friction.x * batch.along.lever_b + friction.y * batch.across.lever_b + friction.turn * batch.normal;
     for (int p = 0; p < batch.points; ++p) {
       PointLanes& point = batch.point[p];
       const Wide given = take(point.impulse_n_s, point.counted_n_s);
@@ -386,11 +396,16 @@ void ContactLanes::store_impulses() const {
 void ContactLanes::store_friction() const {
   for_contacts([](const RigidIsland::Contact& contact, const Batch& batch, int lane) {
     ContactManifold& manifold = *contact.manifold;
-    for (int p = 0; p < manifold.point_count; ++p)
-      manifold.points[static_cast<size_t>(p)].arm_a_m = get(batch.point[p].arm_a_m, lane);
-    manifold.friction_impulse_n_s = batch.along_n_s[lane] * get(batch.tangent, lane) +
-                                    batch.across_n_s[lane] * get(batch.bitangent, lane);
-    manifold.twist_impulse = batch.twist[lane];
+    const Eigen::Vector3d tangent = get(batch.tangent, lane), bitangent = get(batch.bitangent, lane);
+    for (int p = 0; p < manifold.point_count; ++p) {
+      ContactPoint& point = manifold.points[static_cast<size_t>(p)];
+      const auto& friction = batch.friction.points[static_cast<size_t>(p)];
+      point.arm_a_m = get(batch.point[p].arm_a_m, lane);
+      point.friction_impulse_n_s = friction.x_n_s[lane] * tangent + friction.y_n_s[lane] * bitangent;
+    }
+    const InPlane<Wide>& impulse = batch.friction.impulse;
+    manifold.friction_impulse_n_s = impulse.x[lane] * tangent + impulse.y[lane] * bitangent;
+    manifold.twist_impulse = impulse.turn[lane];
     manifold.arm_a_m = manifold.arm_b_m = get(batch.arm_a_m, lane);
     if (manifold.other)
       manifold.arm_b_m +=
@@ -459,16 +474,22 @@ void ContactLanes::prepare() {
     batch.arm_a_m = turned(batch.turns, batch.arm_a_m, batch.arm_body_m);
     const Wide xx = make_row(batch.along, batch.tangent, batch.arm_a_m);
     const Wide yy = make_row(batch.across, batch.bitangent, batch.arm_a_m);
-    const Wide xy =
-        dot(batch.along.lever_a, batch.across.turn_a) + dot(batch.along.lever_b, batch.across.turn_b);
-    const Wide inverse = inverse_or_zero(xx * yy - xy * xy);
-    batch.mass_xx = inverse * yy;
-    batch.mass_xy = -inverse * xy;
-    batch.mass_yy = inverse * xx;
     batch.twist_turn_a = a.inertia * batch.normal;
     batch.twist_turn_b = b.inertia * batch.normal;
-    batch.twist_mass =
-        inverse_or_zero(dot(batch.normal, batch.twist_turn_a) + dot(batch.normal, batch.twist_turn_b));
+    const auto twisted = [&](const Wide3& on_a, const Wide3& on_b) {
+      return dot(on_a, batch.twist_turn_a) + dot(on_b, batch.twist_turn_b);
+    };
+    const Wide xy =
+        dot(batch.along.lever_a, batch.across.turn_a) + dot(batch.along.lever_b, batch.across.turn_b);
+    batch.friction.set_response({xx, xy, twisted(batch.along.lever_a, batch.along.lever_b), yy,
+                                 twisted(batch.across.lever_a, batch.across.lever_b),
+                                 twisted(batch.normal, batch.normal)});
+    for (int p = 0; p < batch.points; ++p) {
+      auto& point = batch.friction.points[static_cast<size_t>(p)];
+      const Wide3 arm_m = batch.point[p].arm_a_m - batch.arm_a_m;
+      point.x_m = dot(batch.tangent, arm_m);
+      point.y_m = dot(batch.bitangent, arm_m);
+    }
   }
 }
 
@@ -495,10 +516,8 @@ void ContactLanes::warm_start() {
       apply(a, b, point.normal, point.row, point.impulse_n_s);
       point.counted_n_s = all(0.0);
     }
-    apply(a, b, batch.tangent, batch.along, batch.along_n_s);
-    apply(a, b, batch.bitangent, batch.across, batch.across_n_s);
-    apply_twist(a, b, batch.twist_turn_a, batch.twist_turn_b, batch.twist);
-    batch.along_counted_n_s = batch.across_counted_n_s = batch.twist_counted = all(0.0);
+    apply_friction(a, b, batch, batch.friction.impulse);
+    batch.friction_counted = {};
     scatter(a, motion_, batch.a);
     scatter(b, motion_, batch.b);
   }
@@ -508,28 +527,12 @@ void ContactLanes::sweep(ContactPhase phase) {
   const double step_s = step_s_;
   for (Batch& batch : batches_) {
     MotionLanes a = gather(motion_, batch.a), b = gather(motion_, batch.b);
-    Wide pressed = all(0.0);
-    for (int p = 0; p < batch.points; ++p) pressed += batch.point[p].impulse_n_s;
-    const Wide limit = batch.friction * pressed;
-
-    const Wide spin = dot(batch.normal, a.spin - b.spin);
-    const Wide twist_limit = limit * batch.twist_radius_m;
-    const Wide twist = larger(smaller(batch.twist - batch.twist_mass * spin, twist_limit), -twist_limit);
-    apply_twist(a, b, batch.twist_turn_a, batch.twist_turn_b, twist - batch.twist);
-    batch.twist = twist;
-
-    const Wide slip_x = speed_along(a, b, batch.tangent, batch.along);
-    const Wide slip_y = speed_along(a, b, batch.bitangent, batch.across);
-    Wide x = batch.along_n_s - (batch.mass_xx * slip_x + batch.mass_xy * slip_y);
-    Wide y = batch.across_n_s - (batch.mass_xy * slip_x + batch.mass_yy * slip_y);
-    const Wide length = root(x * x + y * y);
-    const Wide part = length > limit ? limit / length : all(1.0);
-    x *= part;
-    y *= part;
-    apply(a, b, batch.tangent, batch.along, x - batch.along_n_s);
-    apply(a, b, batch.bitangent, batch.across, y - batch.across_n_s);
-    batch.along_n_s = x;
-    batch.across_n_s = y;
+    std::array<Wide, kMaxManifoldPoints> pressed_n_s;
+    for (int p = 0; p < batch.points; ++p) pressed_n_s[static_cast<size_t>(p)] = batch.point[p].impulse_n_s;
+    const InPlane<Wide> slip{speed_along(a, b, batch.tangent, batch.along),
+                             speed_along(a, b, batch.bitangent, batch.across),
+                             dot(batch.normal, a.spin - b.spin)};
+    apply_friction(a, b, batch, batch.friction.solve(batch.points, pressed_n_s, slip));
 
     for (int p = 0; p < batch.points; ++p) {
       PointLanes& point = batch.point[p];

@@ -85,14 +85,14 @@ const ContactManifold* previous_manifold(const RigidBody& body, const ContactMan
   return best;
 }
 
-double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t feature_id) {
+const ContactPoint* previous_point(const RigidBody& body, uint64_t other_id, uint64_t feature_id) {
   for (const ContactManifold& earlier : body.previous_manifolds) {
     if (earlier.other_id != other_id) continue;
     for (int i = 0; i < earlier.point_count; ++i) {
-      if (earlier.points[i].feature_id == feature_id) return earlier.points[i].impulse_n_s;
+      if (earlier.points[i].feature_id == feature_id) return &earlier.points[i];
     }
   }
-  return 0.0;
+  return nullptr;
 }
 
 // Friction of the pair at a point of the first body, as its arm from the centre of mass, world axes.
@@ -104,40 +104,17 @@ double friction_at(const RigidBody& body, const ContactPair& pair, const Eigen::
             : pair.collider_friction);
 }
 
-// Friction of all points together, and where it acts: points are weighted by their impulses of the previous
-// substep, and the centre by their limits of Coulomb's law as well.
+// Coefficients of the points, and the centre.
 void set_friction(const RigidBody& body, const ContactPair& pair, ContactManifold& manifold) {
-  const int count = manifold.point_count;
   const bool even = !body.friction.boxes && !(pair.other && pair.other->friction.boxes);
-  std::array<double, kMaxManifoldPoints> frictions, weights;
-  double weight = 0.0, sum = 0.0;
-  for (int i = 0; i < count; ++i) {
-    frictions[i] = even ? 1.0 : friction_at(body, pair, manifold.points[i].arm_a_m);
-    weights[i] = manifold.points[i].impulse_n_s;
-    weight += weights[i];
-    sum += frictions[i];
+  const double shared = even ? friction_at(body, pair, Eigen::Vector3d::Zero()) : 0.0;
+  manifold.arm_a_m.setZero();
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
+    point.friction = even ? shared : friction_at(body, pair, point.arm_a_m);
+    manifold.arm_a_m += point.arm_a_m / manifold.point_count;
   }
-  if (weight <= 0.0) {
-    weights.fill(1.0);
-    weight = count;
-  }
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double limit = 0.0;
-  for (int i = 0; i < count; ++i) {
-    centre += weights[i] * frictions[i] * manifold.points[i].arm_a_m;
-    limit += weights[i] * frictions[i];
-  }
-  if (limit <= 0.0) {  // no friction at all
-    for (int i = 0; i < count; ++i) centre += weights[i] * manifold.points[i].arm_a_m;
-  }
-  manifold.friction = even ? friction_at(body, pair, Eigen::Vector3d::Zero()) : limit / weight;
-  manifold.arm_a_m = centre / (limit > 0.0 ? limit : weight);
   manifold.arm_body_m = body.world_from_body.orientation.conjugate() * manifold.arm_a_m;
-  manifold.twist_radius_m = 0.0;
-  for (int i = 0; i < count; ++i) {
-    manifold.twist_radius_m +=
-        (manifold.points[i].arm_a_m - manifold.arm_a_m).norm() * frictions[i] / (sum > 0.0 ? sum : 1.0);
-  }
 }
 
 Pose first_from_other(const RigidBody& body, const RigidBody& other) {
@@ -234,7 +211,10 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
       point.arm_body_m = body_from_world * point.arm_a_m;
       point.separation_m = candidate->separation_m;
       point.turns = candidate->feature_id < kForeignFeature;
-      point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
+      if (const ContactPoint* earlier = previous_point(body, pair.other_id, candidate->feature_id)) {
+        point.impulse_n_s = earlier->impulse_n_s;
+        point.friction_impulse_n_s = earlier->friction_impulse_n_s;
+      }
       manifold.normal += candidate->normal;
     }
     manifold.normal.normalize();

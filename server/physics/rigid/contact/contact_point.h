@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 
-// Contact manifold between a rigid body and another body or collider: up to four points with shared friction.
+// Contact manifold between a rigid body and another body or collider: up to four points.
 
 namespace livegs {
 
@@ -29,7 +29,9 @@ struct ContactPoint {
   // Speeds of an impact: closing speed, closing speed at touch, and speed at which it leaves, < 0 if it has
   // yet to arrive; kNoImpact: not one.
   double closing_m_s = 0, touch_m_s = 0, leaving_m_s = kNoImpact;
+  double friction = 0;     // coefficient of the surfaces that touch here
   double impulse_n_s = 0;  // of this step, >= 0; warm start of the next one
+  Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();  // likewise, of this point alone
 
   Eigen::Vector3d anchor_b_m;  // position on the other body at detection, in its axes (reuse_manifold)
 };
@@ -37,7 +39,6 @@ struct ContactPoint {
 struct ContactManifold {
   RigidBody* other = nullptr;  // nullptr: a collider, which is static
   uint64_t other_id = 0;       // RigidBody::body_id, or kColliderBit + collider index
-  double friction = 0;
   double restitution = 0;
   double restitution_speed_m_s = 0;  // slower impacts do not bounce
   double push_speed_m_s = 0;         // maximum speed of overlap correction
@@ -47,13 +48,12 @@ struct ContactManifold {
 
   bool turns = false;  // whether all points do
 
-  // Friction acts at the mean of the points, weighted by impulse and friction, in the plane of the mean
-  // normal, with a torsional part about it.
+  // Friction of all points: a force at their mean, in the plane of the mean normal, and a twist about it
+  // (contact_friction.h).
   Eigen::Vector3d normal;
   Eigen::Vector3d arm_a_m, arm_body_m;
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
-  double twist_impulse = 0;   // N m s
-  double twist_radius_m = 0;  // mean distance of the points from there, weighted by friction
+  double twist_impulse = 0;  // N m s
 
   Eigen::Vector3d arm_b_m;
   // State at detection, valid while the bodies do not move relative to each other (reuse_manifold).

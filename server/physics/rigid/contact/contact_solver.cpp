@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "physics/rigid/contact/contact_solver.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -114,19 +113,26 @@ ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold) {
   const Vector3d tangent = manifold.normal.unitOrthogonal();
   rows.tangent = row_of(a, b, tangent, manifold.arm_a_m, manifold.arm_b_m);
   rows.bitangent = row_of(a, b, manifold.normal.cross(tangent), manifold.arm_a_m, manifold.arm_b_m);
-  Eigen::Matrix2d k;
-  k(0, 0) = rows.tangent.mass_kg > 0.0 ? 1.0 / rows.tangent.mass_kg : 0.0;
-  k(1, 1) = rows.bitangent.mass_kg > 0.0 ? 1.0 / rows.bitangent.mass_kg : 0.0;
-  k(0, 1) = k(1, 0) = rows.tangent.lever_a.dot(rows.bitangent.turn_a) +
-                      (b ? rows.tangent.lever_b.dot(rows.bitangent.turn_b) : 0.0);
-  rows.tangent_mass = k.determinant() > 0.0 ? k.inverse().eval() : Eigen::Matrix2d::Zero().eval();
   rows.twist_turn_a = a.inverse_inertia * manifold.normal;
-  double response = manifold.normal.dot(rows.twist_turn_a);
-  if (b) {
-    rows.twist_turn_b = b->inverse_inertia * manifold.normal;
-    response += manifold.normal.dot(rows.twist_turn_b);
+  rows.twist_turn_b = b ? Vector3d(b->inverse_inertia * manifold.normal) : Vector3d::Zero();
+  const ContactRow &x = rows.tangent, &y = rows.bitangent;
+  const auto both = [&](const Vector3d& on_a, const Vector3d& turn_a, const Vector3d& on_b,
+                        const Vector3d& turn_b) { return on_a.dot(turn_a) + (b ? on_b.dot(turn_b) : 0.0); };
+  const auto inverse = [](double mass_kg) { return mass_kg > 0.0 ? 1.0 / mass_kg : 0.0; };
+  rows.friction.set_response({inverse(x.mass_kg), both(x.lever_a, y.turn_a, x.lever_b, y.turn_b),
+                              both(x.lever_a, rows.twist_turn_a, x.lever_b, rows.twist_turn_b),
+                              inverse(y.mass_kg),
+                              both(y.lever_a, rows.twist_turn_a, y.lever_b, rows.twist_turn_b),
+                              both(manifold.normal, rows.twist_turn_a, manifold.normal, rows.twist_turn_b)});
+  for (int i = 0; i < manifold.point_count; ++i) {
+    const ContactPoint& point = manifold.points[i];
+    const Vector3d arm_m = point.arm_a_m - manifold.arm_a_m;
+    rows.friction.points[i] = {x.direction.dot(arm_m), y.direction.dot(arm_m), point.friction,
+                               x.direction.dot(point.friction_impulse_n_s),
+                               y.direction.dot(point.friction_impulse_n_s)};
   }
-  rows.twist_mass = response > 0.0 ? 1.0 / response : 0.0;
+  rows.friction.impulse = {x.direction.dot(manifold.friction_impulse_n_s),
+                           y.direction.dot(manifold.friction_impulse_n_s), manifold.twist_impulse};
   return rows;
 }
 
@@ -138,31 +144,33 @@ double total_impulse(const ContactManifold& manifold) {
 
 void scale_impulses(ContactManifold& manifold, double factor) {
   for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
+  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].friction_impulse_n_s *= factor;
   manifold.friction_impulse_n_s *= factor;
   manifold.twist_impulse *= factor;
 }
 
-void solve_friction(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows) {
-  const double limit = manifold.friction * total_impulse(manifold);
+void solve_friction(RigidBody& a, ContactManifold& manifold, ManifoldRows& rows) {
+  double turning = manifold.normal.dot(a.angular_velocity_rad_s);
+  if (manifold.other) turning -= manifold.normal.dot(manifold.other->angular_velocity_rad_s);
+  std::array<double, kMaxManifoldPoints> pressed_n_s;
+  for (int i = 0; i < manifold.point_count; ++i) pressed_n_s[i] = manifold.points[i].impulse_n_s;
+  const InPlane<double> change =
+      rows.friction.solve(manifold.point_count, pressed_n_s,
+                          {speed_along(a, manifold.other, rows.tangent),
+                           speed_along(a, manifold.other, rows.bitangent), turning});
+  apply(a, manifold.other, rows.tangent, change.x);
+  apply(a, manifold.other, rows.bitangent, change.y);
+  apply_twist(a, manifold, rows, change.turn);
+}
 
-  double spin = manifold.normal.dot(a.angular_velocity_rad_s);
-  if (manifold.other) spin -= manifold.normal.dot(manifold.other->angular_velocity_rad_s);
-  const double twist_limit = limit * manifold.twist_radius_m;
-  const double wanted_twist =
-      std::clamp(manifold.twist_impulse - rows.twist_mass * spin, -twist_limit, twist_limit);
-  apply_twist(a, manifold, rows, wanted_twist - manifold.twist_impulse);
-  manifold.twist_impulse = wanted_twist;
-
-  const Eigen::Vector2d before(rows.tangent.direction.dot(manifold.friction_impulse_n_s),
-                               rows.bitangent.direction.dot(manifold.friction_impulse_n_s));
-  const Eigen::Vector2d slip(speed_along(a, manifold.other, rows.tangent),
-                             speed_along(a, manifold.other, rows.bitangent));
-  Eigen::Vector2d wanted = before - rows.tangent_mass * slip;
-  const double length = wanted.norm();
-  if (length > limit) wanted *= limit / length;
-  apply(a, manifold.other, rows.tangent, wanted.x() - before.x());
-  apply(a, manifold.other, rows.bitangent, wanted.y() - before.y());
-  manifold.friction_impulse_n_s = wanted.x() * rows.tangent.direction + wanted.y() * rows.bitangent.direction;
+void store_friction(ContactManifold& manifold, const ManifoldRows& rows) {
+  const Vector3d &x = rows.tangent.direction, &y = rows.bitangent.direction;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    const auto& solved = rows.friction.points[i];
+    manifold.points[i].friction_impulse_n_s = solved.x_n_s * x + solved.y_n_s * y;
+  }
+  manifold.friction_impulse_n_s = rows.friction.impulse.x * x + rows.friction.impulse.y * y;
+  manifold.twist_impulse = rows.friction.impulse.turn;
 }
 
 double begin_impact(const RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double step_s,

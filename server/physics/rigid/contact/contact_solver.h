@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "physics/rigid/contact/contact_friction.h"
 #include "physics/rigid/contact/contact_point.h"
 
 // Rows of contact manifolds, one contact at a time.
@@ -46,11 +47,10 @@ struct ContactRow {
 struct ManifoldRows {
   std::array<ContactRow, kMaxManifoldPoints> points;
   ContactRow tangent, bitangent;
-  Eigen::Matrix2d tangent_mass;
   Eigen::Vector3d twist_turn_a, twist_turn_b;
-  double twist_mass = 0;
+  ContactFriction<double> friction;
 };
-// Rows for the current poses. Updates the arms of the manifold.
+// Rows for the current poses, with the impulses of friction. Updates the arms of the manifold.
 ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold);
 // Marks the points that will touch in the step and close faster than the restitution speed, or than
 // `passed_on_m_s` if that is positive and less, and sets the speed at which each leaves. Returns their
@@ -59,7 +59,9 @@ double begin_impact(const RigidBody& a, ContactManifold& manifold, const Manifol
                     double passed_on_m_s);
 // One sweep over the marked points. Returns the largest change of speed, m/s.
 double solve_impact(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);
-void solve_friction(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);  // friction only
+// One sweep of friction. Its impulses are those of the rows; store_friction copies them to the manifold.
+void solve_friction(RigidBody& a, ContactManifold& manifold, ManifoldRows& rows);
+void store_friction(ContactManifold& manifold, const ManifoldRows& rows);
 double total_impulse(const ContactManifold& manifold);
 // Rescales the accumulated impulses, for a next step that is `factor` times as long.
 void scale_impulses(ContactManifold& manifold, double factor);

@@ -29,23 +29,29 @@ struct Motion {
 // Impulses of a manifold at rest, kept for the warm start of the step.
 struct RestingImpulses {
   std::array<double, kMaxManifoldPoints> points_n_s{};
+  std::array<Eigen::Vector3d, kMaxManifoldPoints> point_frictions_n_s;
   Eigen::Vector3d friction_n_s;
   double twist = 0.0;
 };
 
 RestingImpulses take_impulses(ContactManifold& manifold) {
   RestingImpulses resting;
-  for (int i = 0; i < manifold.point_count; ++i)
-    resting.points_n_s[static_cast<size_t>(i)] = std::exchange(manifold.points[i].impulse_n_s, 0.0);
-  resting.friction_n_s = manifold.friction_impulse_n_s;
-  manifold.friction_impulse_n_s.setZero();
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
+    resting.points_n_s[static_cast<size_t>(i)] = std::exchange(point.impulse_n_s, 0.0);
+    resting.point_frictions_n_s[static_cast<size_t>(i)] = std::exchange(point.friction_impulse_n_s, none);
+  }
+  resting.friction_n_s = std::exchange(manifold.friction_impulse_n_s, none);
   resting.twist = std::exchange(manifold.twist_impulse, 0.0);
   return resting;
 }
 
 void put_back(ContactManifold& manifold, const RestingImpulses& resting) {
-  for (int i = 0; i < manifold.point_count; ++i)
+  for (int i = 0; i < manifold.point_count; ++i) {
     manifold.points[i].impulse_n_s = resting.points_n_s[static_cast<size_t>(i)];
+    manifold.points[i].friction_impulse_n_s = resting.point_frictions_n_s[static_cast<size_t>(i)];
+  }
   manifold.friction_impulse_n_s = resting.friction_n_s;
   manifold.twist_impulse = resting.twist;
 }
@@ -118,7 +124,7 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
   for (const RigidIsland::Contact& contact : island.contacts)
     rows.push_back(prepare_rows(*contact.owner, *contact.manifold));
   std::vector<const RigidIsland::Contact*> closing;
-  const auto rows_of = [&](const RigidIsland::Contact* contact) -> const ManifoldRows& {
+  const auto rows_of = [&](const RigidIsland::Contact* contact) -> ManifoldRows& {
     return rows[static_cast<size_t>(contact - island.contacts.data())];
   };
   const auto find_closing = [&](double passed_on_m_s) {
@@ -139,7 +145,10 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
   std::vector<Motion> before(island.bodies.size());
   for (int round = 0; round < kMaxImpactRounds && !closing.empty(); ++round) {
     std::vector<RestingImpulses> resting;
-    for (const RigidIsland::Contact* contact : closing) resting.push_back(take_impulses(*contact->manifold));
+    for (const RigidIsland::Contact* contact : closing) {
+      resting.push_back(take_impulses(*contact->manifold));
+      rows_of(contact).friction.clear();
+    }
     for (size_t i = 0; i < before.size(); ++i) {
       const RigidBody& body = *island.bodies[i];
       before[i] = {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s};
@@ -160,6 +169,7 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
     for (JointGroup* group : joints) group->end_impact(part, remaining_s);
     for (size_t i = 0; i < closing.size(); ++i) {
       ContactManifold& manifold = *closing[i]->manifold;
+      store_friction(manifold, rows_of(closing[i]));
       if (part < 1.0) scale_impulses(manifold, part);
       record_impulses(*closing[i]->owner, manifold, ImpulseKind::Impact, remaining_s);
       put_back(manifold, resting[i]);

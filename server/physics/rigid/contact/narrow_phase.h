@@ -58,20 +58,23 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
 // Surface of a body in its current pose at a world point.
 SurfaceSample sample_body(const RigidBody& body, const Eigen::Vector3d& point_m);
 
-// Contacts of the inscribed ball (core) of a body, if the body moves or rotates so far in a substep that
-// points found at its start are invalid at its end. Prevents thin bodies from passing its centre. Appends.
+// Contacts of the inscribed ball (core) of a body with surfaces that it approaches so far in a substep, or
+// rotates so far in, that points found at its start are invalid at its end. Prevents thin bodies from passing
+// its centre. Appends.
 template <class Sample>
 void core_candidates(const RigidBody& body, const Sample& sample,
                      const Eigen::Vector3d& relative_velocity_m_s, double marching,
                      const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
   const double radius = body.shape.inner_radius_m;
-  const double displacement = search.duration_s * relative_velocity_m_s.norm();
-  const double turn = search.duration_s * body.angular_velocity_rad_s.norm();
-  if (body.shape.is_ball() || !(radius > 0.0) || (displacement < 0.5 * radius && turn < 0.5)) return;
+  const Eigen::Vector3d displacement = search.duration_s * relative_velocity_m_s;
+  const bool turns = search.duration_s * body.angular_velocity_rad_s.norm() >= 0.5;
+  const double far_m = 0.5 * radius;
+  if (body.shape.is_ball() || !(radius > 0.0) || (displacement.norm() < far_m && !turns)) return;
   std::vector<ContactCandidate> found;
   ball_candidates(body.world_from_body.position_m, radius, sample, relative_velocity_m_s, marching, search,
                   found);
   for (ContactCandidate& candidate : found) {
+    if (-displacement.dot(candidate.normal) < far_m && !turns) continue;
     candidate.feature_id += kCoreFeature;
     candidates.push_back(candidate);
   }

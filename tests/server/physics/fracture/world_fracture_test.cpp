@@ -42,7 +42,7 @@ TEST(Breaking, FragmentsSleepAndGainNoEnergy) {
     };
     const double start_j = total();
     double last_j = start_j;
-    for (int tick = 0; tick < 6 * rate; ++tick) {
+    for (int tick = 0; tick < 8 * rate; ++tick) {
       world.step();
       // The impulse that separates an overlap may lift a fragment slightly, by at most a hundredth of the
       // fall.
