@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "core/revision.h"
 #include "geometry/field/distance_field.h"
 #include "geometry/triangle_mesh.h"
 #include "physics/collider.h"
@@ -48,6 +50,7 @@ struct RigidShape {
   double wall_m = INFINITY;        // mean wall thickness of a non-convex shape
   // Radius of the largest ball about the centre of mass inside the shape; 0: the centre is outside.
   double inner_radius_m = 0.0;
+  uint64_t revision = new_revision();  // of the surface; copies share it
 
   bool is_ball() const { return sphere_radius_m > 0.0; }
   // Signed distance to the surface. Outside it is a lower bound of the true distance, so it is safe for

@@ -87,9 +87,9 @@ struct ContactConstraint {
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
 };
 
-// Brings every row's gap to zero or above at the end of the step of `step_s`. Friction opposes the relative
-// displacement since the start of the step, within Coulomb's cone. There is no restitution: rebound follows
-// from the material.
+// Brings the gaps of rows to zero or above at the end of the step of `step_s`; those of rows that pushed in
+// the last step over a few steps (kProximalWeight). Friction opposes the relative displacement since the
+// start of the step, within Coulomb's cone. There is no restitution: rebound follows from the material.
 void solve_contacts(std::span<ContactConstraint* const> rows, double step_s);
 
 }  // namespace livegs

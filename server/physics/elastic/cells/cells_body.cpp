@@ -5,12 +5,12 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "core/log.h"
+#include "core/revision.h"
 #include "physics/ablation/ablation.h"
 #include "physics/collision/surface_points.h"
 #include "physics/elastic/resolution/resolution_request.h"
@@ -233,8 +233,7 @@ void CellsBody::rebuild_cells() {
                                options_.thin);
   gains_.own = gains_.impact = gains_.imposed = {};
   gains_.last_step_s = 0.0;
-  static std::atomic<uint64_t> revisions{0};  // of all bodies, so that a new body at an old address differs
-  flat_revision_ = ++revisions;
+  flat_revision_ = new_revision();
   if (!plastic_.parts.empty()) set_all_plastic();
 }
 
@@ -405,18 +404,17 @@ void CellsBody::restart_motion() {
   ledger_.spin_correction.setZero();
   ledger_.contact_lag_m.setZero();
   ledger_.between_steps_impulse.setZero();
-  colliders_.margin_m = bodies_.rigid_margin_m = 0.0;
-  ++bodies_.restarts;
+  colliders_.margin_m = 0.0;
+  bodies_.revision = new_revision();
   step_.first = true;
 }
 
 void CellsBody::wake() {
+  if (asleep()) bodies_.revision = new_revision();  // bodies around have moved uncounted
   become_elastic();
   rest_.sleep_timer.wake();
   rest_.stationary_s = 0.0;
-  // Colliders may have changed, and bodies around have moved uncounted.
-  colliders_.margin_m = bodies_.rigid_margin_m = 0.0;
-  ++bodies_.restarts;
+  colliders_.margin_m = 0.0;  // colliders may have changed
   colliders_.sides.clear();
 }
 

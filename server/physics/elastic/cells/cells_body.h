@@ -209,10 +209,8 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const;
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   bool may_touch_awake(const SubstepContext& context) const;
-  // Bounds for nearly all nodes; the first relative to the centre of mass.
-  double node_speed_m_s() const;
-  double max_node_speed_m_s() const;
-  void find_rigid_candidates(const SubstepContext& context);
+  double node_speed_m_s() const;  // relative to the centre of mass: a bound for nearly all nodes
+  void find_rigid_candidates(const SubstepContext& context, double speed_m_s);
   std::vector<char> update_rigid_contacts(const SubstepPart& part, const SubstepContext& context);
   void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
                                   std::span<std::optional<NearSurface>> near,

@@ -46,11 +46,35 @@ constexpr double kMaxFoldedPenetration = 0.15;
 // Maximum local coordinate of an anchor; it may lie slightly beyond its cell.
 constexpr double kMaxAnchorLocal = 1.25;
 
+// Motion that is counted for a step over that at the speeds at its start. Smaller: a body that speeds up is
+// found late. What it still lacks is counted in the next step.
+constexpr double kMotionRoom = 1.5;
+
 // Rounding margin of a box, relative to its size.
 constexpr float kBoxRoom = 1e-5f;
 
 Vector3d vector_of(NodeLanes v) { return {v[0], v[1], v[2]}; }
 Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0}; }
+
+uint64_t id_of(const RigidProxy* body) { return body->body_id; }
+uint64_t id_of(const ElasticNeighbour& body) { return body.body_id; }
+
+// Brings `contacts` into the order of `bodies`: those of other bodies go, new ones are empty. Returns whether
+// they had it.
+template <class Contacts, class Bodies>
+bool keep_contacts(std::vector<Contacts>& contacts, const Bodies& bodies) {
+  const auto same_id = [](const Contacts& one, const auto& body) { return one.body_id == id_of(body); };
+  if (std::equal(contacts.begin(), contacts.end(), bodies.begin(), bodies.end(), same_id)) return true;
+  std::vector<Contacts> kept(bodies.size());
+  for (size_t k = 0; k < kept.size(); ++k) {
+    const auto known = std::find_if(contacts.begin(), contacts.end(),
+                                    [&](const Contacts& one) { return same_id(one, bodies[k]); });
+    if (known != contacts.end()) kept[k] = std::move(*known);
+    kept[k].body_id = id_of(bodies[k]);
+  }
+  contacts = std::move(kept);
+  return false;
+}
 
 // Normal cone of a rigid body's surface at one of its points: gradients at distance `step_m` along axes and
 // diagonals. At an edge these include the normals of both faces and directions in between.
@@ -81,7 +105,10 @@ class CellsBody::Participant final : public ContactParticipant {
     return body_.nodes_.displacement_m(anchor.sample);
   }
   AnchorNodes nodes_of(const ContactAnchor& anchor) const override {
-    return body_.step_.in_step ? body_.nodes_.anchor_nodes(anchor.sample, step_s) : AnchorNodes();
+    if (!body_.step_.in_step) return {};
+    AnchorNodes nodes = body_.nodes_.anchor_nodes(anchor.sample, step_s);
+    if (!body_.free() && body_.mobility(anchor.sample) == 0.0) std::fill_n(nodes.pulls, 8, 0.0f);
+    return nodes;
   }
   void count_impulse(const Vector3d& point, const Vector3d& impulse) override {
     body_.ledger_.contact_impulse += impulse;
@@ -254,53 +281,55 @@ bool CellsBody::may_touch_awake(const SubstepContext& context) const {
   return false;
 }
 
-// As find_candidates, for rigid bodies: pairs that can touch before they approach by the margin.
-void CellsBody::find_rigid_candidates(const SubstepContext& context) {
-  bodies_.rigid_ids.clear();
+// As find_candidates, for rigid bodies: pairs that can touch before they approach by the margin, which is at
+// least the motion of a tick at `speed_m_s`.
+void CellsBody::find_rigid_candidates(const SubstepContext& context, double speed_m_s) {
   bodies_.rigid_candidates.clear();
-  double speed = max_node_speed_m_s() + context.gravity_m_s2.norm() / accuracy_.rate_hz;
-  for (const RigidProxy* body : context.bodies)
-    speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
-  bodies_.rigid_margin_m = std::max(kCandidateRoom * lattice_.cell_width_m, speed / accuracy_.rate_hz);
+  bodies_.rigid_margin_m = std::max(kCandidateRoom * lattice_.cell_width_m, speed_m_s / accuracy_.rate_hz);
   for (uint32_t k = 0; k < context.bodies.size(); ++k) {
-    bodies_.rigid_ids.push_back(context.bodies[k]->body_id);
     visit_cells_near(*context.bodies[k], bodies_.rigid_margin_m, [&](uint32_t cell) {
       bodies_.rigid_candidates.push_back({cell, k});
     });
   }
 }
 
-double CellsBody::node_speed_m_s() const { return reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s; }
-
-double CellsBody::max_node_speed_m_s() const {
-  return ledger_.motion.velocity_m_s().norm() + node_speed_m_s();
+double CellsBody::node_speed_m_s() const {
+  const double of_nodes = reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s;
+  if (!holding_.moved) return of_nodes;
+  return std::max(of_nodes, step_.driven_m_s + ledger_.motion.velocity_m_s().norm());
 }
 
-// The contacts of rigid bodies that are near, in the order of context.bodies. Returns whether they must be
-// found again, by body.
+// Updates the contacts of rigid bodies that are near, and their candidates. Returns whether the contacts must
+// be found again, by body.
 std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, const SubstepContext& context) {
-  std::vector<RigidContacts> kept;
+  const bool same = keep_contacts(bodies_.rigid, context.bodies);
+  bool valid = same;
+  double motion_m = 0.0, fastest_m_s = 0.0;
   std::vector<char> stale;
-  for (const RigidProxy* body : context.bodies) {
-    const auto known = std::find_if(bodies_.rigid.begin(), bodies_.rigid.end(),
-                                    [&](const RigidContacts& one) { return one.body_id == body->body_id; });
-    kept.push_back(known != bodies_.rigid.end() ? std::move(*known) : RigidContacts{body->body_id});
-    RigidContacts& contacts = kept.back();
+  for (size_t k = 0; k < context.bodies.size(); ++k) {
+    const RigidProxy& body = *context.bodies[k];
+    RigidContacts& contacts = bodies_.rigid[k];
+    valid =
+        valid && contacts.own_revision == bodies_.revision && contacts.shape_revision == body.shape->revision;
     // What the last steps did not know of, such as an impact between substeps or a reset.
-    const double jump_m = (body->before.position_m - contacts.last.position_m).norm(),
-                 turned = body->before.orientation.angularDistance(contacts.last.orientation);
-    const double turning_m_s = body->fastest_m_s() - body->velocity_m_s.norm();
-    const Vector3d relative_m_s = ledger_.motion.velocity_m_s() - body->velocity_m_s;
-    contacts.motion_m = 1.5 * part.duration_s * (relative_m_s.norm() + node_speed_m_s() + turning_m_s) +
-                        jump_m + turned * body->shape->bounding_radius_m;
+    const double reach_m = body.shape->bounding_radius_m,
+                 turned = body.before.orientation.angularDistance(contacts.last.orientation),
+                 jump_m = (body.before.position_m - contacts.last.position_m).norm() + turned * reach_m;
+    const double speed_m_s = (ledger_.motion.velocity_m_s() - body.velocity_m_s).norm() + node_speed_m_s() +
+                             body.spin_rad_s.norm() * reach_m;
+    contacts.motion_m = kMotionRoom * part.duration_s * speed_m_s + jump_m + bodies_.jump_m;
+    motion_m = std::max(motion_m, contacts.motion_m);
+    fastest_m_s = std::max(fastest_m_s, speed_m_s);
     contacts.margin_m -= contacts.motion_m;
-    contacts.last = body->at_end();
+    contacts.last = body.at_end();
     // The point of a ball is no material point: it moves over the surface as the ball rolls. With a normal
     // that lags, balls roll out of their pits.
-    stale.push_back((body->shape->is_ball() && !contacts.points.empty()) || !(contacts.margin_m > 0.0) ||
-                    contacts.own_restarts != bodies_.restarts);
+    stale.push_back((body.shape->is_ball() && !contacts.points.empty()) || !(contacts.margin_m > 0.0) ||
+                    contacts.own_revision != bodies_.revision ||
+                    contacts.shape_revision != body.shape->revision);
   }
-  bodies_.rigid = std::move(kept);
+  bodies_.rigid_margin_m -= motion_m;
+  if (!valid || bodies_.rigid_margin_m <= 0.0) find_rigid_candidates(context, fastest_m_s);
   return stale;
 }
 
@@ -372,7 +401,8 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
 void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface, RigidContacts& contacts) {
   contacts.points.clear();
   contacts.margin_m = kApartMargin * extent_.box_edge_m;
-  contacts.own_restarts = bodies_.restarts;
+  contacts.own_revision = bodies_.revision;
+  contacts.shape_revision = body.shape->revision;
   const double within_m = (kRowMargin + kCandidateMargin) * extent_.box_edge_m;
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
@@ -417,7 +447,7 @@ void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface
       depth = grid.swept_depth(point, displacement, normal_cone);
       if (!depth) continue;
     }
-    if (const auto around = first.surrounding(point, -depth->normal)) {
+    if (const auto around = first.surrounding(point - radius * depth->normal, -depth->normal)) {
       double lowest_m = INFINITY;
       for (const uint32_t k : *around) lowest_m = std::min(lowest_m, surface.gaps_m[k]);
       if (depth->distance_m - radius >= lowest_m - kRowMargin * extent_.box_edge_m) continue;
@@ -479,8 +509,8 @@ const CellsBody::ElasticContacts* CellsBody::contacts_listed_with(const CellsBod
 void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts) {
   const double edge_m = std::min(extent_.box_edge_m, other.extent_.box_edge_m);
   contacts.margin_m = kApartMargin * edge_m;
-  contacts.own_restarts = bodies_.restarts;
-  contacts.other_restarts = other.bodies_.restarts;
+  contacts.own_revision = bodies_.revision;
+  contacts.other_revision = other.bodies_.revision;
   ++contacts.finds;
   contacts.points.clear();
   const double reach = other.element_reach_m();
@@ -526,6 +556,7 @@ void CellsBody::remove_redundant(const CellsBody& other, const ElasticContacts& 
   for (const ElasticContacts::Point& touch : first.points)
     elements.push_back({other.place_now_m(touch.own), touch.normal, 0.0, 0});
   const PointSurface of_first(elements, kSurroundingReach * other.extent_.box_edge_m);
+  const double room_m = kRowMargin * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
   std::erase_if(contacts.points, [&](const ElasticContacts::Point& touch) {
     const Vector3d place = place_now_m(touch.own);
     const auto surrounding = of_first.surrounding(place, -touch.normal);
@@ -536,7 +567,7 @@ void CellsBody::remove_redundant(const CellsBody& other, const ElasticContacts& 
       lowest_m = std::min(lowest_m, one.normal.dot(other.place_now_m(one.own) - place_now_m(one.other)));
     }
     const double gap_m = touch.normal.dot(place - other.place_now_m(touch.other));
-    return gap_m >= lowest_m - kRowMargin * extent_.box_edge_m;
+    return gap_m >= lowest_m - room_m;
   });
 }
 
@@ -544,11 +575,12 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
                                              std::vector<ContactConstraint>& rows) {
   const ElasticContacts* first = lists_first(other) ? nullptr : other.contacts_listed_with(*this);
   const Vector3d relative_m_s = ledger_.motion.velocity_m_s() - other.ledger_.motion.velocity_m_s();
-  const double motion_m = 1.5 * h * (relative_m_s.norm() + node_speed_m_s() + other.node_speed_m_s());
+  const double speed_m_s = relative_m_s.norm() + node_speed_m_s() + other.node_speed_m_s();
+  const double motion_m = kMotionRoom * h * speed_m_s + bodies_.jump_m + other.bodies_.jump_m;
   contacts.margin_m -= motion_m;
   const int finds_of_first = first ? first->finds : 0;
-  if (contacts.margin_m <= 0.0 || contacts.own_restarts != bodies_.restarts ||
-      contacts.other_restarts != other.bodies_.restarts || contacts.other_finds != finds_of_first) {
+  if (contacts.margin_m <= 0.0 || contacts.own_revision != bodies_.revision ||
+      contacts.other_revision != other.bodies_.revision || contacts.other_finds != finds_of_first) {
     find_elastic_contacts(other, h, contacts);
     if (first) remove_redundant(other, *first, contacts);
     contacts.other_finds = finds_of_first;
@@ -580,7 +612,13 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
 void CellsBody::prepare_contact_step(double step_s) {
   if (!participant_) participant_ = std::make_unique<Participant>(*this);
   static_cast<Participant&>(*participant_).step_s = step_.in_step ? step_of(step_s) : step_s;
-  if ((!surface_.boxes_known || !step_.in_step) && !frozen()) list_boxes();
+  if (!surface_.boxes_known && !frozen()) list_boxes();
+  const Vector3d velocity_m_s = ledger_.motion.velocity_m_s();
+  const double node_speed = node_speed_m_s();
+  bodies_.jump_m = bodies_.step_s * ((velocity_m_s - bodies_.velocity_m_s).norm() +
+                                     std::max(0.0, node_speed - bodies_.node_speed_m_s));
+  bodies_.velocity_m_s = velocity_m_s;
+  bodies_.node_speed_m_s = node_speed;
   ++bodies_.step;
   bodies_.step_s = step_s;
 }
@@ -595,21 +633,11 @@ void CellsBody::start_from_last_force(ContactConstraint& row) const {
 
 void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context,
                               std::vector<ContactConstraint>& rows) {
-  if (context.bodies.empty() && context.others.empty()) {
-    bodies_.rigid.clear();
-    bodies_.elastic.clear();
-    return;
-  }
-  ContactParticipant& participant = contact_participant();
-  double fastest = 0.0;
-  bool same = bodies_.rigid_ids.size() == context.bodies.size();
-  for (size_t k = 0; k < context.bodies.size(); ++k) {
-    fastest = std::max(fastest, context.bodies[k]->fastest_m_s());
-    same = same && bodies_.rigid_ids[k] == context.bodies[k]->body_id;
-  }
-  bodies_.rigid_margin_m -= 1.5 * part.duration_s * (max_node_speed_m_s() + fastest);
-  if (bodies_.rigid_margin_m <= 0.0 || !same) find_rigid_candidates(context);
+  // The motion of a body that is not near is not counted: its contacts are found again when it returns.
+  keep_contacts(bodies_.elastic, context.others);
   const std::vector<char> stale = update_rigid_contacts(part, context);
+  if (context.bodies.empty() && context.others.empty()) return;
+  ContactParticipant& participant = contact_participant();
   std::vector<std::optional<NearSurface>> near(stale.size());
   for (size_t k = 0; k < near.size(); ++k) {
     if (stale[k]) near[k].emplace();
@@ -618,18 +646,6 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   for (size_t k = 0; k < near.size(); ++k) {
     if (near[k]) find_rigid_contacts(*context.bodies[k], *near[k], bodies_.rigid[k]);
     collide_rigid_points(*context.bodies[k], bodies_.rigid[k], participant, rows);
-  }
-  // The motion of a body that is not near is not counted: its contacts are found again when it returns.
-  std::erase_if(bodies_.elastic, [&](const ElasticContacts& contacts) {
-    return std::none_of(context.others.begin(), context.others.end(), [&](const ElasticNeighbour& other) {
-      return other.body_id == contacts.body_id && !other.body->is_separating(body_id_of(object_id_));
-    });
-  });
-  for (const ElasticNeighbour& other : context.others) {
-    if (!other.body->is_separating(body_id_of(object_id_)) &&
-        std::none_of(bodies_.elastic.begin(), bodies_.elastic.end(),
-                     [&](const ElasticContacts& known) { return known.body_id == other.body_id; }))
-      bodies_.elastic.push_back({.body_id = other.body_id, .points = {}});
   }
   list_pairs(true, part.duration_s, context, rows);
 }
@@ -642,14 +658,11 @@ void CellsBody::list_other_contacts(const SubstepPart& part, const SubstepContex
 // Contacts with the elastic bodies before which this one lists them, or after which.
 void CellsBody::list_pairs(bool first, double h, const SubstepContext& context,
                            std::vector<ContactConstraint>& rows) {
-  for (const ElasticNeighbour& neighbour : context.others) {
-    auto& other = static_cast<CellsBody&>(*neighbour.body);  // of the same solver
+  for (size_t k = 0; k < context.others.size(); ++k) {
+    auto& other = static_cast<CellsBody&>(*context.others[k].body);  // of the same solver
     if (lists_first(other) != first) continue;
-    for (ElasticContacts& contacts : bodies_.elastic) {
-      if (contacts.body_id != neighbour.body_id) continue;
-      collide_surface_with_elastic(other, h, contacts, rows);
-      contacts.listed_step = bodies_.step;
-    }
+    collide_surface_with_elastic(other, h, bodies_.elastic[k], rows);
+    bodies_.elastic[k].listed_step = bodies_.step;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/revision.h"
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 
@@ -147,8 +148,6 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
   context.colliders = tick.colliders;
   context.forces = tick.forces;
 
-  bodies_.rigid_candidates.clear();
-  bodies_.rigid_margin_m = 0.0;
   find_candidates(context);
   const double margin = 2.0 * colliders_.margin_m;  // of a tick, and as much again
   colliders_.margin_m = 0.0;
@@ -352,9 +351,9 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   step_.kinetic_j = kinetic_j - 0.5 * spin.dot((ledger_.node_inertia - ledger_.motion.inertia) * spin);
 
   colliders_.contacts.clear();
-  colliders_.margin_m = bodies_.rigid_margin_m = 0.0;
+  colliders_.margin_m = 0.0;
   bodies_.contacts.clear();
-  ++bodies_.restarts;  // contacts with elastic bodies found before are void
+  bodies_.revision = new_revision();
   surface_.boxes_known = false;
   SubstepContext context;
   context.gravity_m_s2 = tick.gravity_m_s2;

@@ -182,11 +182,19 @@ bool CellsBody::driven(double from_s, double to_s) const {
 }
 
 void CellsBody::move_regions(double time_s, double h) {
+  step_.driven_m_s = 0.0;
   for (const ConstrainedRegion& held : holding_.regions) {
     if (held.released || !held.region.motion) continue;
     for (size_t i = 0; i < held.nodes.size(); ++i) {
       const Vector3d target = region_target_m(held, held.node_rest_m[i], time_s);
-      nodes_.predict(held.nodes[i], target, (target - nodes_.position_m(held.nodes[i])) / h);
+      const Vector3d velocity_m_s = (target - nodes_.position_m(held.nodes[i])) / h;
+      nodes_.predict(held.nodes[i], target, velocity_m_s);
+      step_.driven_m_s = std::max(step_.driven_m_s, velocity_m_s.norm());
+    }
+    for (size_t i = 0; i < held.particles.size(); ++i) {
+      const Vector3d way_m =
+          region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.position_m(held.particles[i]);
+      step_.driven_m_s = std::max(step_.driven_m_s, way_m.norm() / h);
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/revision.h"
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/rigid_proxy.h"
@@ -170,7 +171,6 @@ void CellsBody::set_rest_shape(const Pose& world_from_object, const Vector3d& ve
 void CellsBody::sleep() {
   rest_.sleep_timer.sleep();
   rest_.points_m.clear();
-  bodies_.elastic.clear();  // the motion of others is not counted during sleep
   nodes_.stop();
   ledger_.motion.momentum.setZero();
   ledger_.motion.angular_momentum.setZero();
@@ -256,8 +256,8 @@ void CellsBody::become_elastic() {
   ledger_.contact_lag_m.setZero();
   ledger_.between_steps_impulse.setZero();
   rest_.unstrained_s = 0.0;
-  colliders_.margin_m = bodies_.rigid_margin_m = 0.0;
-  ++bodies_.restarts;
+  colliders_.margin_m = 0.0;
+  bodies_.revision = new_revision();
   step_.first = true;
 }
 

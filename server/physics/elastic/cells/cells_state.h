@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/revision.h"
 #include "physics/collision/point_contact.h"
 #include "physics/elastic/cells/cell_batches.h"
 #include "physics/elastic/cells/cell_nodes.h"
@@ -193,7 +194,7 @@ struct RigidContacts {
   uint64_t body_id = 0;
   double margin_m = 0.0;  // relative motion until they are found again
   double motion_m = 0.0;  // bound of the relative motion in this step
-  int own_restarts = 0;
+  uint64_t own_revision = 0, shape_revision = 0;
   Pose last{};  // of the rigid body after the last step
   struct Point {
     Vector3d local_m;  // rigid body's frame
@@ -215,7 +216,7 @@ struct NearSurface {
 struct ElasticContacts {
   uint64_t body_id = 0;
   double margin_m = 0.0;  // relative motion until they are found again
-  int own_restarts = 0, other_restarts = 0;
+  uint64_t own_revision = 0, other_revision = 0;
   int finds = 0, other_finds = 0;  // of these, and of those of the body that lists first
   uint64_t listed_step = 0;        // BodyContacts::step
   struct Point {
@@ -246,12 +247,14 @@ struct StuckContact {
 
 // Contact with rigid and elastic bodies; cells_dynamic_contact.cpp, cells_stuck_contacts.cpp.
 struct BodyContacts {
-  std::vector<Candidate> rigid_candidates;
-  std::vector<uint64_t> rigid_ids;  // ids at the time of the search
-  double rigid_margin_m = 0.0;
-  std::vector<RigidContacts> rigid;
-  std::vector<ElasticContacts> elastic;
-  int restarts = 0;                    // of the motion; contacts found before are void
+  std::vector<Candidate> rigid_candidates;  // with indices of `rigid`
+  double rigid_margin_m = 0.0;              // relative motion of any of them before a new search
+  std::vector<RigidContacts> rigid;         // of the bodies that are near, in their order
+  std::vector<ElasticContacts> elastic;     // likewise
+  uint64_t revision = new_revision();       // of the motion; contacts found before are void
+  // At the start of the last step, and a bound of the motion that it did not know of, such as by an impact.
+  Vector3d velocity_m_s = Vector3d::Zero();
+  double node_speed_m_s = 0.0, jump_m = 0.0;
   std::vector<LastForce> last_forces;  // by surface point
   uint64_t step = 0;                   // steps in which contacts could be listed
   double step_s = 0.0;
@@ -264,6 +267,7 @@ struct StepState {
   double kinetic_j = 0.0;                           // of the last step
   double deviation_m_s = 0.0;                       // root mean square velocity relative to the rigid motion
   double spin_rad_s = 0.0;                          // of the whole body
+  double driven_m_s = 0.0;                          // fastest node of a moved region
   double strain_squared = 0.0, bent_squared = 0.0;  // largest over the cells
   bool second_order = false, is_slow = false, in_step = false;
   bool first = true, strained = false, touching = false, backward = false;

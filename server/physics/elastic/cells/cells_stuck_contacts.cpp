@@ -117,11 +117,23 @@ void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s
 
 void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
                          std::vector<ContactConstraint>& rows) {
-  if (!is_separating()) return;
-  for (const ContactConstraint& row : rows) {
-    if (row.gap_m < 0.0 && is_separating(row.other_body_id)) stuck_contact(row.other_body_id).overlaps = true;
+  const uint64_t own_id = body_id_of(object_id_);
+  std::vector<CellsBody*> separating;  // elastic bodies that separate from this one
+  for (const ElasticNeighbour& other : context.others) {
+    if (other.body->is_separating(own_id)) separating.push_back(static_cast<CellsBody*>(other.body));
   }
-  std::erase_if(rows, [&](const ContactConstraint& row) { return is_separating(row.other_body_id); });
+  if (separating.empty() && !is_separating()) return;
+  // Contact is off if one of two bodies separates from the other, which then learns of overlaps.
+  std::erase_if(rows, [&](const ContactConstraint& row) {
+    bool off = is_separating(row.other_body_id);
+    if (off && row.gap_m < 0.0) stuck_contact(row.other_body_id).overlaps = true;
+    for (CellsBody* other : separating) {
+      if (body_id_of(other->object_id_) != row.other_body_id) continue;
+      off = true;
+      if (row.gap_m < 0.0) other->stuck_contact(own_id).overlaps = true;
+    }
+    return off;
+  });
 
   const Vector3d centre = centre_m();
   const double speed_m_s = reach_m_ / kSeparationTime_s, most_m_s = kMaxSeparation_m_s2 * part.duration_s;
@@ -150,6 +162,7 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
   }
   for (const ElasticNeighbour& other : context.others) {
     if (!is_separating(other.body_id) || !stuck_contact(other.body_id).overlaps) continue;
+    if (other.body->is_separating(own_id) && other.body_id < own_id) continue;  // pulls both
     const Vector3d between = centre - other.body->centre_m();
     const Vector3d given = impulse(between.norm() > 0.0 ? Vector3d(between.normalized()) : Vector3d::UnitY(),
                                    other.body->velocity_m_s(), 1.0 / other.body->mass_kg());
