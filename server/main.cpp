@@ -20,12 +20,16 @@
 #include "core/log_format.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
+#include "core/text/format_text.h"
 #include "core/text/help_format.h"
 #include "device/choose_physics.h"
 #include "scene/build/build_cache.h"
 #include "scene/scene.h"
 #include "service_notice.h"
+#include "session/access/fleet_token.h"
 #include "session/access/server_security.h"
+#include "session/fleet/agones_sdk.h"
+#include "session/fleet/fleet_member.h"
 #include "session/live/analysis_controller.h"
 #include "session/live/run_controller.h"
 #include "session/live/scene_author.h"
@@ -67,6 +71,10 @@ struct Options {
   bool verbose = false;
   livegs::EndpointChoice endpoint;
   int views = 1;
+  std::string fleet;
+  double fleet_empty_s = livegs::kFleetEmpty_s;
+  std::string fleet_key;
+  std::string server_name;
 };
 
 int report(const livegs::Error& error) {
@@ -161,6 +169,39 @@ std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>
   return "";
 }
 
+// Joins the fleet, if there is one, and accepts its tokens. Null without a fleet, and after a signal, whose
+// reason is then in `stopped`.
+livegs::Result<std::unique_ptr<livegs::FleetMember>> join_fleet(const Options& options,
+                                                                livegs::ServerSecurity* security,
+                                                                const sigset_t& signals,
+                                                                std::string& stopped) {
+  using namespace livegs;
+  std::string key, name = options.server_name;
+  if (!options.fleet_key.empty()) {
+    if (!security) return invalid_argument("--fleet-key: needs TLS; use --tls on");
+    if (options.fleet.empty() && name.empty())
+      return invalid_argument(
+          "--fleet-key: needs the name for which tokens are signed; add --server-name NAME");
+    auto read = read_fleet_key(options.fleet_key);
+    if (!read) return read.error();
+    key = std::move(*read);
+  }
+  std::unique_ptr<FleetMember> fleet;
+  if (!options.fleet.empty()) {
+    const auto port = AgonesSdk::port_of_environment();
+    if (!port) return port.error();
+    fleet =
+        std::make_unique<FleetMember>(FleetMember::Options{.port = *port, .empty_s = options.fleet_empty_s});
+    stopped = wait_for_signal(signals, [&] { return fleet->name().has_value(); });
+    if (!stopped.empty()) return std::unique_ptr<FleetMember>();
+    const auto found = *fleet->name();
+    if (!found) return found.error();
+    if (name.empty()) name = *found;
+  }
+  if (!key.empty()) security->tokens().accept_fleet(std::move(key), std::move(name));
+  return fleet;
+}
+
 int run(const Options& options) {
   using namespace livegs;
   // A range check accepts NaN.
@@ -194,6 +235,14 @@ int run(const Options& options) {
     log_info("publishing on %s", published->c_str());
   }
 
+  std::string stopped;
+  const auto fleet = join_fleet(options, security->get(), signals, stopped);
+  if (!fleet) return report(fleet.error());
+  if (!stopped.empty()) {
+    log_info("server is shutting down: %s", stopped.c_str());
+    return 0;
+  }
+
   const int64_t begun_ns = now_ns();
   SceneOptions scene_options;
   scene_options.rate_hz = options.rate_hz;
@@ -212,6 +261,8 @@ int run(const Options& options) {
   }
   log_info("scene %s: %zu objects, built in %.1f s", scene->name().c_str(), scene->objects().size(),
            seconds_from_ns(now_ns() - begun_ns));
+
+  const std::string label = scene_label(document->scene());
 
   auto analysed = SceneAnalysis::of(*scene, *endpoint != nullptr);
   if (!analysed) return report(analysed.error());
@@ -281,17 +332,26 @@ int run(const Options& options) {
     if (options.wait_for_client && (*server)->starter_joined()) loop.wait_to_start();
     loop.start();
     analysis.begin();
+    if (*fleet) {
+      (*fleet)->open(label, [&]() -> FleetMember::Facts {
+        return {(*server)->published().frames, (*server)->client_count(), options.clients,
+                loop.summary().step_ms_p99};
+      });
+    }
     const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
     reason = wait_for_signal(signals, [&] {
       notice.feed((*server)->published().frames, now_ns());
-      return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty();
+      return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty() ||
+             (*fleet && (*fleet)->empty());
     });
     if (reason.empty()) reason = drain_reason();
+    if (reason.empty() && *fleet && (*fleet)->empty())
+      reason = format_text("no person for %.0f s", options.fleet_empty_s);
     if (reason.empty()) reason = "the time limit is reached";
   }
   log_info("server is shutting down: %s", reason.c_str());
   notice.say("STOPPING=1");
-  (*server)->shut_down(reason);
+  (*server)->shut_down(reason, *fleet ? (*fleet)->leave() : Successor());
   loop.stop();
   if (const auto recorded = (*server)->recorder().stop();
       !recorded && recorded.error().code != ErrorCode::NotFound)
@@ -371,8 +431,23 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   app.add_flag("--print-port", options.print_port, "Print the port to standard output when clients can join");
-  app.add_flag("--wait-for-client", options.wait_for_client,
-               "Delay the first tick until a client shows its first picture and starts the simulation");
+  auto* waits =
+      app.add_flag("--wait-for-client", options.wait_for_client,
+                   "Delay the first tick until a client shows its first picture and starts the simulation");
+  auto* fleet = app.add_option("--fleet", options.fleet,
+                               "agones: this server is a GameServer; its state is reported to the sidecar on "
+                               "AGONES_SDK_HTTP_PORT, which must reply within 30 s")
+                    ->check(CLI::IsMember({"agones"}))
+                    ->excludes(waits);  // without ticks there is no Health
+  app.add_option("--fleet-empty-s", options.fleet_empty_s,
+                 "End after this time without a person, once the server was allocated")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str()
+      ->needs(fleet);
+  app.add_option("--fleet-key", options.fleet_key,
+                 "Also accept tokens that livegs token signed with this key for this server");
+  app.add_option("--server-name", options.server_name,
+                 "Name for which tokens are signed (default: the name of the GameServer)");
   app.add_flag(
       "--new", options.fresh,
       "Begin an empty scene: SCENE is a folder of assets, or a *.scene.json that does not exist yet");
@@ -425,6 +500,9 @@ int main(int argc, char** argv) {
                  {"--clients", ""},
                  {"--client-mbit-s", "NUMBER"},
                  {"--publish", "tcp://127.0.0.1:PORT"}});
+  group_options(
+      app, "Fleet",
+      {{"--fleet", ""}, {"--fleet-empty-s", "SECONDS"}, {"--fleet-key", "FILE"}, {"--server-name", "NAME"}});
   group_options(app, "Recording",
                 {{"--record", "FILE"}, {"--record-inputs-only", ""}, {"--record-assets", ""}});
   group_options(app, "Monitoring",

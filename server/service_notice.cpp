@@ -24,7 +24,7 @@ ServiceNotice::ServiceNotice() {
   if (const char* text = std::getenv("WATCHDOG_USEC"); text != nullptr) {
     int64_t watchdog_us = 0;
     std::from_chars(text, text + std::strlen(text), watchdog_us);
-    every_ns_ = watchdog_us * 1000 / 2;
+    liveness_ = TickLiveness(watchdog_us * 1000 / 2);
   }
 }
 
@@ -43,10 +43,7 @@ void ServiceNotice::say(const std::string& state) const {
 }
 
 void ServiceNotice::feed(uint64_t ticks, int64_t now_ns) {
-  if (every_ns_ <= 0 || now_ns - fed_ns_ < every_ns_ || ticks == fed_ticks_) return;
-  fed_ns_ = now_ns;
-  fed_ticks_ = ticks;
-  say("WATCHDOG=1");
+  if (liveness_.due(ticks, now_ns)) say("WATCHDOG=1");
 }
 
 }  // namespace livegs

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "session/support/tick_liveness.h"
+
 namespace livegs {
 
 // Status notifications to systemd for a service of Type=notify: datagrams to the socket NOTIFY_SOCKET
@@ -23,8 +25,7 @@ class ServiceNotice {
  private:
   int socket_ = -1;
   std::string address_;  // sun_path, with a leading zero for an abstract socket
-  int64_t every_ns_ = 0, fed_ns_ = 0;
-  uint64_t fed_ticks_ = 0;
+  TickLiveness liveness_{0};
 };
 
 }  // namespace livegs

@@ -68,7 +68,9 @@ Result<void> write_secret_file(const std::filesystem::path& path, std::string_vi
 
 Result<std::string> read_secret_file(const std::filesystem::path& path) {
   struct stat about {};
-  if (::stat(path.c_str(), &about) == 0 && (about.st_mode & 077) != 0) {
+  const bool found = ::stat(path.c_str(), &about) == 0;
+  const bool given_by_root = found && about.st_uid == 0 && ::geteuid() != 0;
+  if (found && (about.st_mode & (given_by_root ? 037 : 077)) != 0) {
     return Error{ErrorCode::PermissionDenied,
                  path.string() +
                      ": readable by other users; create it again, or run chmod 600 if it was not disclosed"};

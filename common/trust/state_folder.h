@@ -17,7 +17,8 @@ Result<void> make_state_folder(const std::filesystem::path& folder);
 // Writes a file with mode 0600 atomically: a temporary file next to it is synced and renamed over it. Creates
 // the folder.
 Result<void> write_secret_file(const std::filesystem::path& path, std::string_view text);
-// Reads a secret. PermissionDenied if other users may read the file.
+// Reads a secret. PermissionDenied if other users may read the file. A file of root may be readable by its
+// group, as root gives it to a service, for example a Secret in a pod with fsGroup.
 Result<std::string> read_secret_file(const std::filesystem::path& path);
 
 }  // namespace livegs

@@ -230,7 +230,7 @@ int ask_and_print(const Options& options,
   return 0;
 }
 
-int add_token(const Options& options) {
+int create_token(const Options& options) {
   const auto scope = parse_scope(options.scope);
   if (!scope) return report(scope.error());
   v1::AddTokenRequest request;
@@ -373,7 +373,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
   auto* tokens = ctl->add_subcommand("tokens", "Manage access tokens");
   tokens->require_subcommand(1);
   tokens->fallthrough();
-  auto* made = add(tokens, "add", "Create a token and print its secret (shown only once)", add_token);
+  auto* made = add(tokens, "add", "Create a token and print its secret (shown only once)", create_token);
   made->add_option("NAME", options->token_name, "User or purpose of the token")->required();
   made->add_option("--scope", options->scope,
                    "view, interact, author or admin; each includes the previous ones")

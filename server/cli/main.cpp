@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
   livegs::add_chart(app, exit_code);
   livegs::add_export(app, exit_code);
   livegs::add_ctl(app, exit_code);
+  livegs::add_token(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

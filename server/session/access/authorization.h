@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "core/result.h"
@@ -12,6 +13,7 @@ namespace livegs {
 struct Authorization {
   std::string token_id, token_name;  // empty without TLS, where every local caller is an admin
   v1::Scope scope = v1::ADMIN;
+  int64_t fleet_expiry_unix_s = 0;  // of a token of the fleet; 0: another token
 
   bool allows(v1::Scope needed) const { return scope >= needed; }
 };

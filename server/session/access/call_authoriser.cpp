@@ -7,6 +7,9 @@ namespace livegs {
 namespace {
 
 constexpr std::string_view kBearer = "Bearer ";
+// Tokens with a rate limit of their own before idle ones are dropped. A server's own list has fewer; tokens
+// of a fleet are not limited in number.
+constexpr size_t kMaxRatedTokens = 4 * kMaxTokens;
 
 // The bearer token of a call; empty if there is not exactly one.
 std::string_view token_in(const grpc::AuthMetadataProcessor::InputMetadata& metadata) {
@@ -66,7 +69,12 @@ grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthCo
                                                      scope_name(needed)};
   }
   std::lock_guard lock(mutex_);
-  // Entries of ended tokens are kept: kMaxTokens bounds the map.
+  // Entries of ended tokens are kept while they are few. Idle ones have a full bucket and lose nothing.
+  if (calls_.size() >= kMaxRatedTokens)
+    std::erase_if(calls_, [now = now_ns()](const auto& one) {
+      TokenBucket bucket = one.second;
+      return bucket.refill(now) >= kMaxCallsAtOnce;
+    });
   TokenBucket& calls =
       calls_.try_emplace(authorization->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
   if (!calls.try_take(now_ns())) {

@@ -12,8 +12,12 @@
 #include <span>
 
 #include "core/assert.h"
+#include "core/clock.h"
 #include "core/content_hash.h"
 #include "core/file.h"
+#include "core/log.h"
+#include "session/access/base64_url.h"
+#include "session/access/fleet_token.h"
 #include "session/access/id_prefix.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
@@ -36,18 +40,7 @@ std::array<unsigned char, kBytes> random_bytes() {
   return bytes;
 }
 
-// base64url (RFC 4648 section 5) without padding.
-std::string token_text() {
-  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-  std::string text(kPrefix);
-  uint32_t bits = 0;
-  int held = 0;
-  for (const unsigned char byte : random_bytes<kSecretBytes>()) {
-    bits = bits << 8 | byte;
-    for (held += 8; held >= 6; held -= 6) text += kAlphabet[bits >> (held - 6) & 63];
-  }
-  return text += kAlphabet[bits << (6 - held) & 63];
-}
+std::string token_text() { return std::string(kPrefix) + base64_url(random_bytes<kSecretBytes>()); }
 
 std::string token_id() {
   const auto bytes = random_bytes<4>();
@@ -61,6 +54,13 @@ std::string hash_of(std::string_view secret) {
 Authorization authorization_of(const v1::Token& token) { return {token.id(), token.name(), token.scope()}; }
 
 Error denied(std::string message) { return {ErrorCode::PermissionDenied, std::move(message)}; }
+
+// The same for every token that is not accepted, so that a caller cannot find out how close a guess was.
+Error unknown_token() {
+  return denied(
+      "token: is not known to this server; check that it is complete, or ask the server's operator for a "
+      "new one");
+}
 
 }  // namespace
 
@@ -187,12 +187,45 @@ Result<void> TokenStore::check_record(const v1::Token& token) const {
   return {};
 }
 
+void TokenStore::accept_fleet(std::string key, std::string server) {
+  std::lock_guard lock(mutex_);
+  fleet_key_ = std::move(key);
+  fleet_server_ = std::move(server);
+}
+
+Result<Authorization> TokenStore::check_fleet(std::string_view secret) const {
+  std::lock_guard lock(mutex_);
+  if (fleet_key_.empty()) return unknown_token();
+  const auto token = verify_fleet_token(fleet_key_, fleet_server_, secret, clock_());
+  if (!token) {
+    if (refusals_logged_.try_take(now_ns())) log_warn("%s", token.error().message.c_str());
+    return unknown_token();
+  }
+  Authorization authorization{hash_of(secret).substr(0, 16), token->name(), token->scope()};
+  authorization.fleet_expiry_unix_s = token->expires_unix_s();
+  return authorization;
+}
+
+Result<std::string> TokenStore::fleet_token_for(const std::string& server,
+                                                const Authorization& authorization) const {
+  std::lock_guard lock(mutex_);
+  if (fleet_key_.empty() || authorization.fleet_expiry_unix_s == 0)
+    return not_found("token: is not one of a fleet");
+  v1::FleetToken token;
+  token.set_server(server);
+  token.set_name(authorization.token_name);
+  token.set_scope(authorization.scope);
+  token.set_expires_unix_s(authorization.fleet_expiry_unix_s);
+  return sign_fleet_token(fleet_key_, token);
+}
+
 Result<Authorization> TokenStore::check(std::string_view secret) const {
   if (secret.empty()) {
     return denied(
         "token: is required; pass --token-file FILE or set LIVEGS_TOKEN (create one with livegs ctl tokens "
         "add)");
   }
+  if (is_fleet_token(secret)) return check_fleet(secret);
   const std::string hash = hash_of(secret);
   std::lock_guard lock(mutex_);
   const v1::Token* found = nullptr;
@@ -200,15 +233,17 @@ Result<Authorization> TokenStore::check(std::string_view secret) const {
     if (equal_in_constant_time(token.sha256(), hash)) found = &token;
   }
   if (equal_in_constant_time(local_admin_.sha256(), hash)) found = &local_admin_;
-  if (found == nullptr)
-    return denied(
-        "token: is not known to this server; check that it is complete, or ask the server's operator for a "
-        "new one");
+  if (found == nullptr) return unknown_token();
   if (auto good = check_record(*found); !good) return good.error();
   return authorization_of(*found);
 }
 
 Result<void> TokenStore::check_still(const Authorization& authorization) const {
+  if (authorization.fleet_expiry_unix_s != 0) {
+    if (clock_() < authorization.fleet_expiry_unix_s) return {};
+    return denied("token \"" + authorization.token_name +
+                  "\": has expired; ask the server's operator for a new one");
+  }
   std::lock_guard lock(mutex_);
   if (authorization.token_id == local_admin_.id()) return {};
   for (const v1::Token& token : tokens_.tokens()) {

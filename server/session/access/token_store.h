@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/token_bucket.h"
 #include "session/access/authorization.h"
 
 namespace livegs {
@@ -41,8 +42,16 @@ class TokenStore {
   Result<v1::Token> revoke(const std::string& id);
   std::vector<v1::Token> list() const;  // without hashes
 
+  // Also accepts tokens that are signed with this key for this server (fleet_token.h). They are not listed
+  // and cannot be revoked one by one; a new key ends all of them.
+  void accept_fleet(std::string key, std::string server);
+  // A token of the fleet for another server, with the name, scope and expiry of this authorization. NotFound
+  // if that is not from a token of the fleet.
+  Result<std::string> fleet_token_for(const std::string& server, const Authorization& authorization) const;
+
   // The authorization of a token. PermissionDenied, with a remedy, if it is missing (empty), unknown, revoked
-  // or expired. All hashes are compared, each in constant time.
+  // or expired. All hashes are compared, each in constant time. A refused token of the fleet is unknown to
+  // the caller; the cause is logged, at most one line a second.
   Result<Authorization> check(std::string_view secret) const;
   // The same check for a token that was valid before.
   Result<void> check_still(const Authorization& authorization) const;
@@ -50,6 +59,7 @@ class TokenStore {
  private:
   TokenStore(std::filesystem::path file, WallClock clock)
       : file_(std::move(file)), clock_(std::move(clock)) {}
+  Result<Authorization> check_fleet(std::string_view secret) const;
   Result<void> check_record(const v1::Token& token) const;
   Result<void> write() const;
 
@@ -58,6 +68,8 @@ class TokenStore {
   mutable std::mutex mutex_;  // guards everything below
   v1::TokenFile tokens_;
   v1::Token local_admin_;  // no hash: not created
+  std::string fleet_key_, fleet_server_;
+  mutable TokenBucket refusals_logged_{1, 10};  // lines a second and at once: a flood must not fill the log
 };
 
 }  // namespace livegs

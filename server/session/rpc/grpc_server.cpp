@@ -249,13 +249,25 @@ void GrpcServer::open_analysis(AnalysisControl& analysis) {
   parts_->service.set_analysis(&analysis);
 }
 
-void GrpcServer::shut_down(const std::string& reason) {
+void GrpcServer::shut_down(const std::string& reason, const Successor& successor) {
   if (parts_->shut_down) return;
   parts_->shut_down = true;
   parts_->server->GetHealthCheckService()->SetServingStatus(false);
   parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
   parts_->door->close();
-  parts_->table.close(reason);
+  SessionTable::NextServerFor next;
+  if (!successor.address.empty()) {
+    next = [&](const Authorization& authorization) {
+      v1::NextServer server;
+      server.set_address(successor.address);
+      if (parts_->security && !successor.name.empty()) {
+        if (auto token = parts_->security->tokens().fleet_token_for(successor.name, authorization); token)
+          server.set_token(std::move(*token));
+      }
+      return server;
+    };
+  }
+  parts_->table.close(reason, next);
   parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownTimeout);
   parts_->server->Wait();
   parts_->web->close();

@@ -9,6 +9,7 @@
 #include "core/result.h"
 #include "scene/scene.h"
 #include "session/publish/frame_publisher.h"
+#include "session/support/successor.h"
 #include "session/tick/analysis_control.h"
 #include "session/tick/author_control.h"
 #include "session/tick/run_control.h"
@@ -72,9 +73,10 @@ class GrpcServer {
   // the current scene.
   void encode_ahead(const Scene& scene);
 
-  // Sends the reason to every client, waits up to three seconds for their streams to end, then aborts them.
-  // May be called more than once.
-  void shut_down(const std::string& reason);
+  // Sends the reason and the successor to every client, waits up to three seconds for their streams to end,
+  // then aborts them. Clients with a token of the fleet get one for the successor if its name is known. May
+  // be called more than once.
+  void shut_down(const std::string& reason, const Successor& successor = {});
 
   SessionTable::Totals sessions() const;
   const SessionTable& session_table() const;  // for metrics

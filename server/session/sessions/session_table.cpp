@@ -46,7 +46,7 @@ void SessionTable::open(std::string scene, double rate_hz, std::vector<Object> o
   open_ = true;
 }
 
-void SessionTable::close(const std::string& reason) {
+void SessionTable::close(const std::string& reason, const NextServerFor& next) {
   {
     std::lock_guard lock(mutex_);
     open_ = false;
@@ -55,6 +55,7 @@ void SessionTable::close(const std::string& reason) {
   v1::SessionEvent draining;
   draining.set_draining(reason);
   for (const auto& session : sessions_now()) {
+    if (next) *draining.mutable_next_server() = next(session->who.authorization);
     session->add_event(draining);
     if (const auto writer = session->writer())
       writer->close(reason);

@@ -45,8 +45,10 @@ class SessionTable {
   void set_max_sessions(size_t sessions) { max_sessions_ = sessions; }
   // Lets clients join. `inputs` must outlive the sessions.
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
+  // Where the client of this authorization continues; without an address if it does not.
+  using NextServerFor = std::function<v1::NextServer(const Authorization&)>;
   // Ends every stream with the reason; later joins fail.
-  void close(const std::string& reason);
+  void close(const std::string& reason, const NextServerFor& next = {});
 
   struct Joined {
     std::shared_ptr<ClientSession> session;

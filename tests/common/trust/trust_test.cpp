@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "scratch_folder.h"
 #include "trust/fingerprint.h"
@@ -113,6 +114,30 @@ TEST(SecretFile, IsReadableByItsOwnerOnly) {
   }
   ASSERT_TRUE(write_secret_file(file, "again"));  // with any previous mode
   EXPECT_EQ(mode_of(file), 0600u);
+}
+
+// As in a pod: root owns the file of a Secret, and the group of the service may read it.
+TEST(SecretFile, OfRootMayBeReadableByItsGroup) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can act as a service to which root gives a file";
+  const ScratchFolder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  constexpr uid_t kService = 65534;
+  const std::filesystem::path file = folder.write("key", "secret");
+  ASSERT_EQ(::chown(file.c_str(), 0, kService), 0);
+  ASSERT_EQ(::setegid(kService), 0);
+  ASSERT_EQ(::seteuid(kService), 0);
+  const auto allowed = [&](mode_t mode) {
+    EXPECT_EQ(::seteuid(0), 0);
+    EXPECT_EQ(::chmod(file.c_str(), mode), 0);
+    EXPECT_EQ(::seteuid(kService), 0);
+    return static_cast<bool>(read_secret_file(file));
+  };
+  EXPECT_TRUE(allowed(0440));
+  EXPECT_TRUE(allowed(0640));
+  EXPECT_FALSE(allowed(0660));
+  EXPECT_FALSE(allowed(0444));
+  EXPECT_EQ(::seteuid(0), 0);
+  EXPECT_EQ(::setegid(0), 0);
 }
 
 TEST(KnownServers, AreSavedAndDeleted) {

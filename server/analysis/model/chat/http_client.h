@@ -21,7 +21,8 @@ inline constexpr std::size_t kMaxReplyBytes = std::size_t{4} << 20;
 
 struct HttpRequest {
   std::string url;
-  std::string body;  // empty: GET; else POST of application/json
+  std::string method;  // empty: GET without a body, else POST
+  std::string body;    // application/json
   bool event_stream = false;
   const Secret* bearer = nullptr;  // must outlive the call; sent as the Authorization header
   double connect_timeout_s = 5, total_timeout_s = 60;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scratch_folder.h"
+#include "session/access/fleet_token.h"
 #include "session/access/id_prefix.h"
 #include "session/access/server_security.h"
 #include "trust/fingerprint.h"
@@ -72,6 +73,124 @@ TEST_F(Tokens, NameTheProblemIfRefused) {
   EXPECT_NE(why(good->secret).find("\"good\": has expired"), std::string::npos);
   EXPECT_FALSE(store_->check_still({good->token.id(), "good", v1::VIEW}));
   EXPECT_FALSE(store_->check_still({"00000000", "never was", v1::VIEW}));
+}
+
+class FleetTokens : public Tokens {
+ protected:
+  FleetTokens() { store_->accept_fleet(key_, "room-a"); }
+  std::string signed_for(const std::string& server, int64_t valid_s, const std::string& key) const {
+    v1::FleetToken token;
+    token.set_server(server);
+    token.set_name("ada");
+    token.set_scope(v1::INTERACT);
+    token.set_expires_unix_s(now_s_ + valid_s);
+    return *sign_fleet_token(key, token);
+  }
+  std::string cause(const std::string& text) const {
+    const auto token = verify_fleet_token(key_, "room-a", text, now_s_);
+    return token ? "" : token.error().message;
+  }
+  const std::string key_ = std::string(kMinFleetKeyBytes, 'k');
+};
+
+TEST_F(FleetTokens, GrantTheirScopeAndNameUntilTheyExpire) {
+  const std::string text = signed_for("room-a", 60, key_);
+  const auto authorization = store_->check(text);
+  ASSERT_TRUE(authorization) << authorization.error().message;
+  EXPECT_EQ(authorization->token_name, "ada");
+  EXPECT_EQ(authorization->scope, v1::INTERACT);
+  EXPECT_NE(authorization->token_id, store_->check(signed_for("room-a", 61, key_))->token_id);
+  now_s_ += 59;
+  EXPECT_TRUE(store_->check(text));
+  EXPECT_TRUE(store_->check_still(*authorization));
+  now_s_ += 1;
+  EXPECT_FALSE(store_->check(text));
+  EXPECT_FALSE(store_->check_still(*authorization));
+  EXPECT_TRUE(store_->list().empty());
+}
+
+TEST_F(FleetTokens, AreRefusedForAnotherServerKeyOrTimeWithOneMessage) {
+  const std::string other = signed_for("room-b", 60, key_), late = signed_for("room-a", -1, key_),
+                    forged = signed_for("room-a", 60, std::string(kMinFleetKeyBytes, 'x'));
+  EXPECT_NE(cause(other).find("is for server \"room-b\", not for \"room-a\""), std::string::npos)
+      << cause(other);
+  EXPECT_NE(cause(late).find("of \"ada\" has expired"), std::string::npos) << cause(late);
+  EXPECT_NE(cause(forged).find("signature is wrong"), std::string::npos) << cause(forged);
+  for (const std::string& text : {other, late, forged}) EXPECT_EQ(why(text), why("livegs_something"));
+}
+
+TEST_F(FleetTokens, AreRefusedAfterAnyChange) {
+  const std::string text = signed_for("room-a", 60, key_);
+  ASSERT_EQ(why(text), "");
+  for (size_t i = 0; i < text.size(); ++i) {
+    for (const char letter : {'A', 'B', 'w', '-', '.', '\0'}) {
+      std::string altered = text;
+      altered[i] = letter;
+      if (altered != text) EXPECT_FALSE(store_->check(altered)) << i << letter;
+    }
+    EXPECT_FALSE(store_->check(text.substr(0, i))) << i;
+    EXPECT_FALSE(store_->check(text.substr(i + 1))) << i;
+  }
+  EXPECT_FALSE(store_->check(text + "A"));
+  EXPECT_FALSE(store_->check(text + "."));
+  EXPECT_FALSE(store_->check("livegs_fleet_" + std::string(100'000, 'A') + "."));
+}
+
+// Signed contents that are not a token, as another program with the key could make.
+TEST_F(FleetTokens, NeedReadableContents) {
+  const std::string good = signed_for("room-a", 60, key_);
+  v1::FleetToken token;
+  token.set_server("room-a");
+  token.set_name("ada");
+  token.set_expires_unix_s(now_s_ + 60);
+  EXPECT_FALSE(sign_fleet_token(key_, token));  // without a scope
+  token.set_scope(v1::VIEW);
+  token.set_name("a\nb");
+  EXPECT_FALSE(sign_fleet_token(key_, token));
+  token.set_name("ada");
+  token.set_server("");
+  EXPECT_FALSE(sign_fleet_token(key_, token));
+}
+
+TEST_F(FleetTokens, AreSignedForTheNextServerWithTheSameRights) {
+  const auto here = store_->check(signed_for("room-a", 60, key_));
+  const auto next = store_->fleet_token_for("room-b", *here);
+  ASSERT_TRUE(next) << next.error().message;
+  EXPECT_EQ(why(*next), why("livegs_something"));
+  const auto token = verify_fleet_token(key_, "room-b", *next, now_s_);
+  ASSERT_TRUE(token) << token.error().message;
+  EXPECT_EQ(token->name(), "ada");
+  EXPECT_EQ(token->scope(), v1::INTERACT);
+  EXPECT_EQ(token->expires_unix_s(), now_s_ + 60);
+  const auto own = store_->add("headset", v1::ADMIN, 1);
+  EXPECT_FALSE(store_->fleet_token_for("room-b", *store_->check(own->secret)));
+}
+
+TEST_F(Tokens, OfAFleetNeedItsKey) {
+  v1::FleetToken token;
+  token.set_server("");
+  token.set_name("ada");
+  token.set_scope(v1::ADMIN);
+  token.set_expires_unix_s(now_s_ + 60);
+  token.set_server("room");
+  EXPECT_FALSE(store_->check(*sign_fleet_token("", token)));  // this server has none
+}
+
+TEST(FleetKey, IsRandomAndReadByItsOwnerOnly) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "fleet.key", second = folder / "second.key";
+  ASSERT_TRUE(write_fleet_key(file));
+  ASSERT_TRUE(write_fleet_key(second));
+  EXPECT_FALSE(write_fleet_key(file));  // its tokens stay valid
+  const auto key = read_fleet_key(file);
+  ASSERT_TRUE(key) << key.error().message;
+  EXPECT_GE(key->size(), kMinFleetKeyBytes);
+  EXPECT_NE(*key, *read_fleet_key(second));
+  ::chmod(file.c_str(), 0644);
+  EXPECT_EQ(read_fleet_key(file).error().code, ErrorCode::PermissionDenied);
+  EXPECT_EQ(read_fleet_key(folder.write("short.key", "secret\n")).error().code, ErrorCode::PermissionDenied);
+  ::chmod((folder / "short.key").c_str(), 0600);
+  EXPECT_EQ(read_fleet_key(folder / "short.key").error().code, ErrorCode::InvalidData);
 }
 
 TEST_F(Tokens, OutliveTheServerAndAreStoredAsHashes) {

@@ -19,6 +19,7 @@ namespace livegs {
 struct TestModelServer::State {
   Handler handler;
   Reply models;
+  bool handles_all = false;
   int listener = -1, port = 0;
   mutable std::mutex mutex;  // guards the members below
   mutable std::condition_variable changed;
@@ -98,7 +99,7 @@ struct TestModelServer::State {
     SeenRequest request;
     for (bool more = true; more && receive(socket, request); request = {}) {
       more = false;
-      if (request.method == "POST") {
+      if (request.method == "POST" || handles_all) {
         int index = 0;
         {
           std::lock_guard lock(mutex);
@@ -148,9 +149,22 @@ struct TestModelServer::State {
 TestModelServer::TestModelServer(Handler handler, Reply models) : state_(std::make_unique<State>()) {
   state_->handler = std::move(handler);
   state_->models = std::move(models);
+  listen(0);
+}
+
+TestModelServer::TestModelServer(Handler handler, int port) : state_(std::make_unique<State>()) {
+  state_->handler = std::move(handler);
+  state_->handles_all = true;
+  listen(port);
+}
+
+void TestModelServer::listen(int port) {
   state_->listener = ::socket(AF_INET, SOCK_STREAM, 0);
+  const int again = 1;
+  ::setsockopt(state_->listener, SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
   sockaddr_in address{};
   address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (::bind(state_->listener, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) std::abort();
   if (::listen(state_->listener, 64) != 0) std::abort();
@@ -176,6 +190,8 @@ TestModelServer::~TestModelServer() {
 std::string TestModelServer::base_url() const {
   return "http://127.0.0.1:" + std::to_string(state_->port) + "/v1";
 }
+
+int TestModelServer::port() const { return state_->port; }
 
 std::vector<SeenRequest> TestModelServer::posts() const {
   std::lock_guard lock(state_->mutex);

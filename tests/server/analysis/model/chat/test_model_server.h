@@ -42,9 +42,13 @@ class TestModelServer {
   // Called for every POST with the number of earlier POSTs; calls are serialised.
   using Handler = std::function<Reply(const SeenRequest& request, int index)>;
   explicit TestModelServer(Handler handler, Reply models = not_found_reply());
+  // Any other service: the handler is called for every request, whatever its method, with the number of
+  // earlier ones. `port`: 0 lets the system choose.
+  TestModelServer(Handler handler, int port);
   ~TestModelServer();
 
   std::string base_url() const;  // with /v1
+  int port() const;
   std::vector<SeenRequest> posts() const;
   void wait_for_posts(std::size_t count) const;  // blocks until `count` POSTs have arrived
   bool wait_for_posts(std::size_t count,
@@ -53,6 +57,7 @@ class TestModelServer {
   int most_at_once() const;                   // POSTs in progress
 
  private:
+  void listen(int port);
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// A server in a fleet: its calls to the sidecar of Agones, its end, and tokens that are signed for it.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include "server/session/fleet/agones_sidecar.h"
+#include "system/programs/programs_fixture.h"
+
+namespace livegs {
+namespace {
+
+class FleetPrograms : public Programs {
+ protected:
+  FleetPrograms() { use_port(sidecar_.port()); }
+  ~FleetPrograms() override { ::unsetenv("AGONES_SDK_HTTP_PORT"); }
+  static void use_port(int port) { ::setenv("AGONES_SDK_HTTP_PORT", std::to_string(port).c_str(), 1); }
+  std::vector<std::string> fleet_words(std::vector<std::string> more = {}) {
+    more.insert(more.end(), {"--fleet", "agones"});
+    return server_words(std::move(more));
+  }
+  AgonesSidecar sidecar_;
+};
+
+TEST_F(FleetPrograms, IsReadyAllocatedAndShutDownInThisOrder) {
+  Program server(fleet_words({"--clients", "16"}));
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  ASSERT_TRUE(sidecar_.wait_for("POST /ready"));
+  ASSERT_TRUE(sidecar_.wait_for("POST /health", 2));
+  EXPECT_EQ(sidecar_.count("POST /allocate"), 0u);
+  Program client(client_words(port, {"--seconds", "0", "--no-video", "--every", "0"}));
+  ASSERT_TRUE(sidecar_.wait_for("POST /allocate")) << client.err();
+  EXPECT_TRUE(sidecar_.wait_for_body("PATCH /v1beta1/counters/people", R"({"capacity":"16","count":"1"})"));
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_EQ(sidecar_.calls().back().what, "POST /shutdown");
+  EXPECT_EQ(sidecar_.count("POST /ready"), 1u);
+  EXPECT_EQ(sidecar_.count("POST /allocate"), 1u);
+}
+
+TEST_F(FleetPrograms, EndsWhenItIsEmpty) {
+  Program server(fleet_words({"--fleet-empty-s", "1"}));
+  ASSERT_TRUE(sidecar_.wait_for("POST /ready")) << server.err();
+  sidecar_.set_state("Allocated");
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_EQ(sidecar_.count("POST /shutdown"), 1u);
+  EXPECT_NE(server.err().find("no person for 1 s"), std::string::npos) << server.err();
+}
+
+TEST_F(FleetPrograms, EndsWithOneLineWithoutASidecar) {
+  use_port(1);
+  Program server(fleet_words());
+  EXPECT_EQ(server.wait(), 1);
+  expect_one_line(server, "--fleet agones: no sidecar replied at http://localhost:1 within 30 s");
+}
+
+TEST_F(FleetPrograms, RefusesUnusableOptions) {
+  const auto expect_refused = [&](std::vector<std::string> more, const std::string& message) {
+    Program server(server_words(std::move(more)));
+    EXPECT_EQ(server.wait(), 2) << message;
+    EXPECT_NE(server.err().find(message), std::string::npos) << server.err();
+  };
+  const std::string key = folder_.write("open.key", std::string(40, 'k') + "\n");
+  const std::string state = folder_ / "state";
+  expect_refused({"--fleet-key", key}, "needs TLS");
+  expect_refused({"--fleet-key", key, "--tls", "on", "--state-dir", state}, "add --server-name NAME");
+  expect_refused({"--fleet", "agones", "--wait-for-client"}, "--wait-for-client");
+  expect_refused({"--fleet-empty-s", "5"}, "--fleet");
+  ::setenv("AGONES_SDK_HTTP_PORT", "http", 1);
+  expect_refused({"--fleet", "agones"}, "AGONES_SDK_HTTP_PORT: \"http\" is not a port");
+}
+
+}  // namespace
+}  // namespace livegs
