@@ -64,6 +64,15 @@ ServerAccess::ServerAccess(std::string address, Keys keys)
   pin_->code = std::move(keys.pairing_code);
 }
 
+std::shared_ptr<ServerAccess> ServerAccess::at(const std::string& address, const std::string& token) const {
+  Keys keys;
+  {
+    std::lock_guard lock(pin_->mutex);
+    keys = {pin_->fingerprint, pin_->code, token.empty() ? token_ : token};
+  }
+  return std::make_shared<ServerAccess>(address, std::move(keys));
+}
+
 std::shared_ptr<grpc::ChannelCredentials> ServerAccess::credentials() const {
   grpc::experimental::TlsChannelCredentialsOptions options;
   // no certificate authority is used; the verifier compares the certificate

@@ -26,6 +26,10 @@ class ServerAccess {
   };
   ServerAccess(std::string address, Keys keys);
 
+  // Access to another server with the same certificate, as the servers of a fleet have it. Empty `token`:
+  // that of this access. It is not saved.
+  std::shared_ptr<ServerAccess> at(const std::string& address, const std::string& token) const;
+
   // Credentials for channels to the server; may be used for any number of channels.
   std::shared_ptr<grpc::ChannelCredentials> credentials() const;
 

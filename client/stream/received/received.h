@@ -104,6 +104,8 @@ class StreamSink {
   virtual void on_object_removed(uint32_t object_id) = 0;
   // The server is shutting down; `reason` is text for the user.
   virtual void on_draining(const std::string& reason) = 0;
+  // The server is shutting down, and the session continues at another one. on_lost() and on_resumed() follow.
+  virtual void on_moving(const std::string& /*reason*/, const std::string& /*address*/) {}
 };
 
 }  // namespace livegs

@@ -20,9 +20,11 @@ constexpr size_t kUploadChunkBytes = 48 << 10;       // a server takes messages 
 }  // namespace
 
 struct SceneControl::Connection {
-  std::string address;
-  std::unique_ptr<v1::LiveGs::Stub> stub;
-  std::mutex mutex;  // guards the two members below
+  explicit Connection(std::shared_ptr<const ServerPlace> given) : place(std::move(given)) {}
+  const std::shared_ptr<const ServerPlace> place;
+  std::mutex mutex;  // guards everything below
+  std::shared_ptr<v1::LiveGs::Stub> stub;
+  uint64_t stub_moves = 0;  // of the place for which the stub was made
   std::set<grpc::ClientContext*> under_way;
   bool cancelled = false;
 
@@ -44,23 +46,34 @@ struct SceneControl::Connection {
     Connection& connection_;
   };
 
+  std::string address() const { return place->now().address; }
+  std::shared_ptr<v1::LiveGs::Stub> stub_now() {
+    const ServerPlace::Place at = place->now();
+    std::lock_guard lock(mutex);
+    if (!stub || stub_moves != at.moves) {
+      stub = v1::LiveGs::NewStub(make_channel(at.address, at.access.get()));
+      stub_moves = at.moves;
+    }
+    return stub;
+  }
+
   template <class Reply, class Request>
   Result<Reply> ask(grpc::Status (v1::LiveGs::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
                     const Request& request, std::chrono::seconds deadline = kControlDeadline) {
     Call call(*this);
     call.context.set_deadline(std::chrono::system_clock::now() + deadline);
     Reply reply;
-    const grpc::Status status = (stub.get()->*method)(&call.context, request, &reply);
-    if (!status.ok()) return error_from(status, address);
+    const grpc::Status status = (stub_now().get()->*method)(&call.context, request, &reply);
+    if (!status.ok()) return error_from(status, address());
     return reply;
   }
 };
 
 SceneControl::SceneControl(const std::string& address, std::shared_ptr<const ServerAccess> access)
-    : connection_(std::make_unique<Connection>()) {
-  connection_->address = address;
-  connection_->stub = v1::LiveGs::NewStub(make_channel(address, access.get()));
-}
+    : SceneControl(std::make_shared<const ServerPlace>(address, std::move(access))) {}
+
+SceneControl::SceneControl(std::shared_ptr<const ServerPlace> place)
+    : connection_(std::make_unique<Connection>(std::move(place))) {}
 
 SceneControl::~SceneControl() = default;
 
@@ -143,7 +156,8 @@ Result<std::string> SceneControl::upload_asset(const std::filesystem::path& file
   if (!bytes) return bytes.error();
   Connection::Call call(*connection_);
   v1::UploadAssetReply reply;
-  const auto writer = connection_->stub->UploadAsset(&call.context, &reply);
+  const auto stub = connection_->stub_now();
+  const auto writer = stub->UploadAsset(&call.context, &reply);
   v1::UploadAssetChunk chunk;
   chunk.set_name(file.filename().string());
   bool open = writer->Write(chunk);
@@ -154,7 +168,7 @@ Result<std::string> SceneControl::upload_asset(const std::filesystem::path& file
   }
   writer->WritesDone();
   const grpc::Status status = writer->Finish();
-  if (!status.ok()) return error_from(status, connection_->address);
+  if (!status.ok()) return error_from(status, connection_->address());
   return reply.path();
 }
 
@@ -162,11 +176,12 @@ Result<void> SceneControl::analyze(const std::vector<std::string>& objects, cons
   v1::AnalyzeSceneRequest request;
   for (const std::string& object : objects) request.add_objects(object);
   Connection::Call call(*connection_);
-  const auto reader = connection_->stub->AnalyzeScene(&call.context, request);
+  const auto stub = connection_->stub_now();
+  const auto reader = stub->AnalyzeScene(&call.context, request);
   v1::AnalysisProgress reported;
   while (reader->Read(&reported)) progress(reported);
   const grpc::Status status = reader->Finish();
-  if (!status.ok()) return error_from(status, connection_->address);
+  if (!status.ok()) return error_from(status, connection_->address());
   return {};
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/result.h"
 #include "livegs/v1/session.pb.h"
+#include "stream/channel/server_place.h"
 #include "trust/server_access.h"
 
 namespace livegs {
@@ -21,6 +22,8 @@ class SceneControl {
  public:
   // `access`: null for a connection without TLS.
   explicit SceneControl(const std::string& address, std::shared_ptr<const ServerAccess> access = nullptr);
+  // Follows a session to its next server.
+  explicit SceneControl(std::shared_ptr<const ServerPlace> place);
   ~SceneControl();
 
   Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics);

@@ -25,6 +25,7 @@
 #include "stream/channel/retry_schedule.h"
 #include "stream/channel/rpc_channel.h"
 #include "stream/session/session_stream.h"
+#include "trust/host_port.h"
 #include "trust/server_probe.h"
 #include "wire/call_metadata.h"
 #include "wire/frame_codec.h"
@@ -92,7 +93,7 @@ class TlsSearch {
 }  // namespace
 
 struct SessionClient::Connection {
-  std::string address;
+  std::shared_ptr<ServerPlace> place;
   ConnectOptions options;
   JoinedScene scene;
   KnownObjects objects;  // accessed only by the session thread once it runs, like the next four
@@ -127,6 +128,7 @@ struct SessionClient::Connection {
 
   void run();
   Result<v1::JoinReply> join(int64_t give_up_ns);
+  Result<void> move_to(const v1::NextServer& next);
   Result<void> resume(const SessionStream::Outcome& lost);
   int64_t first_silence_ns() const;
   SessionStream::Outcome stream_once();
@@ -183,18 +185,19 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   request.set_position_bits(options.position_bits);
   request.set_encoding(options.encoding);
   request.set_starts_run(options.starts_run);
+  const auto [address, access, moves] = place->now();
   grpc::Status status;
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {
     TlsSearch tls(address);
-    const bool searches = session_id.empty() && !options.access;
-    const auto channel = connect_channel(address, options.access.get(), give_up_ns, [&](int64_t duration_ns) {
+    const bool searches = session_id.empty() && !access;
+    const auto channel = connect_channel(address, access.get(), give_up_ns, [&](int64_t duration_ns) {
       return wait(duration_ns) || (searches && tls.found());
     });
     if (!channel) {
       if (searches && tls.found()) return requires_tls(address);
-      if (options.access) {
-        if (auto refused = options.access->refused(); !refused) return refused.error();
+      if (access) {
+        if (auto refused = access->refused(); !refused) return refused.error();
       }
       return Error{ErrorCode::Unavailable, ""};
     }
@@ -207,7 +210,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
       if (status.ok()) {
         std::lock_guard lock(mutex);
         stub = std::move(connected);
-        asset_stub = v1::LiveGs::NewStub(make_channel(address, options.access.get()));
+        asset_stub = v1::LiveGs::NewStub(make_channel(address, access.get()));
         asset_session_id = reply.session_id();
         return reply;
       }
@@ -229,7 +232,7 @@ SessionClient::~SessionClient() { (void)stop(); }
 Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& address,
                                                            const ConnectOptions& options) {
   auto connection = std::make_unique<Connection>();
-  connection->address = address;
+  connection->place = std::make_shared<ServerPlace>(address, options.access);
   connection->options = options;
   connection->on_stop.emplace(options.stop, [&joining = *connection] { joining.give_up(); });
   const auto reply = connection->join(after(now_ns(), options.timeout_s));
@@ -262,11 +265,12 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
 }
 
 const JoinedScene& SessionClient::scene() const { return connection_->scene; }
+std::shared_ptr<const ServerPlace> SessionClient::place() const { return connection_->place; }
 
 Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_bytes, uint64_t offset,
                                         const TakeChunk& take) {
   Connection& connection = *connection_;
-  const std::string prefix = connection.address + ": asset " + hash.substr(0, 12);
+  const std::string name = "asset " + hash.substr(0, 12);
   const int64_t begun_ns = now_ns();
   for (;;) {
     const int64_t called_ns = now_ns();
@@ -305,13 +309,13 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     const bool slow =
         status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED && connection.fetched_ns > called_ns;
     if ((!connection_broke(status) && !slow) || over || connection.wait(kRetryPause_ns))
-      return error_from(status, prefix);
-    log_debug("%s: %s; resuming at byte %llu", prefix.c_str(), status.error_message().c_str(),
+      return error_from(status, connection.place->now().address + ": " + name);
+    log_debug("%s: %s; resuming at byte %llu", name.c_str(), status.error_message().c_str(),
               static_cast<unsigned long long>(offset));
     std::lock_guard lock(connection.mutex);
-    if (connection.asset_stub == stub)
-      connection.asset_stub =
-          v1::LiveGs::NewStub(make_channel(connection.address, connection.options.access.get()));
+    if (connection.asset_stub != stub) continue;
+    const auto place = connection.place->now();
+    connection.asset_stub = v1::LiveGs::NewStub(make_channel(place.address, place.access.get()));
   }
 }
 
@@ -322,7 +326,7 @@ Result<v1::AnalyzeObjectReply> SessionClient::analyze(const std::string& object)
   grpc::ClientContext context;
   context.set_deadline(Clock::now() + kCallDeadline);
   const grpc::Status status = connection_->stub_now()->AnalyzeObject(&context, request, &reply);
-  if (!status.ok()) return error_from(status, connection_->address);
+  if (!status.ok()) return error_from(status, connection_->place->now().address);
   return reply;
 }
 
@@ -387,6 +391,7 @@ void SessionClient::Connection::run() {
   int64_t fruitless_pause_ns = 0;
   for (;;) {
     const SessionStream::Outcome done = stream_once();
+    const std::string address = place->now().address;
     if (done.error) return end(Error{done.error->code, address + ": " + done.error->message});
     if (wait(0) || (done.drained && !options.reconnect_after_drain)) return end({});
     silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
@@ -399,7 +404,13 @@ void SessionClient::Connection::run() {
                                       silent_streams)});
     }
     if (!may_pass(done.status)) return end(error_from(done.status, address));
-    log_warn("%s: %s; reconnecting", address.c_str(), done.reason.c_str());
+    if (done.next_server) {
+      if (auto moved = move_to(*done.next_server); !moved) return end(std::move(moved));
+      log_warn("%s: %s; continuing at %s", address.c_str(), done.reason.c_str(),
+               done.next_server->address().c_str());
+    } else {
+      log_warn("%s: %s; reconnecting", address.c_str(), done.reason.c_str());
+    }
     sink->on_lost(done.reason);
     fruitless_pause_ns =
         done.frames > 0 ? 0 : std::clamp(2 * fruitless_pause_ns, kRetryPause_ns, kMaxRetryPause_ns);
@@ -408,7 +419,21 @@ void SessionClient::Connection::run() {
   }
 }
 
+// The token is sent only to a server with the certificate of this one, or on this machine.
+Result<void> SessionClient::Connection::move_to(const v1::NextServer& next) {
+  const ServerPlace::Place from = place->now();
+  const auto parsed = parse_host_port(next.address());
+  if (!parsed) return invalid_data("server " + from.address + ": next server " + parsed.error().message);
+  if (!from.access && !parsed->loopback)
+    return invalid_data("server " + from.address + ": next server " + next.address() +
+                        " needs TLS, which this session does not use; pair with that server by --pair CODE");
+  place->move_to(next.address(), from.access ? from.access->at(next.address(), next.token()) : nullptr);
+  session_id.clear();  // known to the server before only
+  return {};
+}
+
 Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& lost) {
+  const std::string address = place->now().address;
   const auto reply = join(after(lost.last_message_ns, options.reconnect_s));
   if (!reply) {
     if (!reply.error().message.empty() && reply.error().code != ErrorCode::Unavailable) return reply.error();
@@ -429,7 +454,7 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   auto difference = objects.replace(descriptions);
   if (!difference) return Error{difference.error().code, address + ": " + difference.error().message};
   log_info("%s: reconnected after %.1f s to %s; %zu objects added, %zu changed, %zu removed", address.c_str(),
-           resumed.outage_s, resumed.same_server ? "the same server" : "a restarted server",
+           resumed.outage_s, resumed.same_server ? "the same server" : "a new server",
            difference->added.size(), difference->changed.size(), difference->removed.size());
   sink->on_resumed(resumed);
   for (const uint32_t id : difference->removed) sink->on_object_removed(id);

@@ -9,6 +9,7 @@
 #include "core/input_sample.h"
 #include "core/result.h"
 #include "core/view_cone.h"
+#include "stream/channel/server_place.h"
 #include "stream/received/asset_cache.h"
 #include "stream/received/received.h"
 #include "trust/server_access.h"
@@ -31,7 +32,7 @@ struct ConnectOptions {
   double first_kernels_s = 10;
   // Time to try reconnecting before the session ends; infinity: until stop().
   double reconnect_s = 10.0;
-  // Whether to reconnect after an announced shutdown.
+  // Whether to reconnect after an announced shutdown. A session always follows its server to a next one.
   bool reconnect_after_drain = false;
   // Once requested, from any thread, join() and all fetches end at once with Unavailable, and so does the
   // session.
@@ -40,8 +41,10 @@ struct ConnectOptions {
 
 // One session with a server, which outlives its connections. When the stream breaks or is silent for a second
 // (longer with frames of kernels, session_stream.h), the client reconnects (channel/retry_schedule.h), joins
-// with its session id, reports changes to the sink and opens a new stream. Kernels that are too large for the
-// link end the session after three streams without a frame. Errors name the address and the remedy.
+// with its session id, reports changes to the sink and opens a new stream. When a server that shuts down
+// names the next one, the client joins there: over TLS with the same certificate, or on this machine. Kernels
+// that are too large for the link end the session after three streams without a frame. Errors name the
+// address and the remedy.
 class SessionClient {
  public:
   // Connects and joins. Retries until the timeout while no server answers or the scene is being built. Fails
@@ -51,6 +54,8 @@ class SessionClient {
   ~SessionClient();
 
   const JoinedScene& scene() const;  // as of join()
+  // The current server of the session, for further connections to it.
+  std::shared_ptr<const ServerPlace> place() const;
 
   // Fetches an asset from `offset` on, in order, into `take`, over a separate connection. Stops with the
   // error of `take` if it fails. `asset_bytes` is taken from the description. A broken connection is reopened

@@ -184,11 +184,14 @@ Result<void> SessionStream::take(const v1::SessionEvent& event) {
       ends_.sink.on_object_removed(event.object_removed().object_id());
       break;
     case v1::SessionEvent::kDraining: {
+      const bool moves = !event.next_server().address().empty();
       {
         std::lock_guard lock(mutex_);
-        outcome_.drained = true;
+        outcome_.drained = !moves;
+        if (moves) outcome_.next_server = event.next_server();
       }
-      ends_.sink.on_draining(event.draining());
+      moves ? ends_.sink.on_moving(event.draining(), event.next_server().address())
+            : ends_.sink.on_draining(event.draining());
       break;
     }
     case v1::SessionEvent::KIND_NOT_SET:

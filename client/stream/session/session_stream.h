@@ -50,7 +50,8 @@ class SessionStream {
     std::optional<Error> error;  // received data is unusable; a new stream would not help
     std::string reason;          // readable reason for the break
     bool silent = false;         // timed out
-    bool drained = false;        // the server announced its shutdown
+    bool drained = false;        // the server announced its shutdown, and without a next server
+    std::optional<v1::NextServer> next_server;  // where the session continues
     uint64_t frames = 0;
     int64_t last_message_ns = 0;  // time of the last message, or of the opening
   };

@@ -63,6 +63,10 @@ void FrameQueue::on_object_removed(uint32_t object_id) {
   update([&] { events_.push_back({std::nullopt, false, object_id}); });
 }
 
+void FrameQueue::on_moving(const std::string& reason, const std::string& address) {
+  on_draining(reason + "; continuing at " + address);
+}
+
 void FrameQueue::on_draining(const std::string& reason) {
   update([&] { update_.shutdown_reason = reason; });
 }

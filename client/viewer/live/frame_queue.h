@@ -35,6 +35,7 @@ class FrameQueue final : public StreamSink {
   void on_object_changed(StreamedObject object) override;
   void on_object_removed(uint32_t object_id) override;
   void on_draining(const std::string& reason) override;
+  void on_moving(const std::string& reason, const std::string& address) override;
 
   // Renderer thread: returns updates since the last call, events first, and refinements of partial assets.
   // Never blocks. New or fractured objects are fetched and bound on a worker thread and appear in a later

@@ -484,7 +484,7 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   auto live = load_in_window(loading, **display, interrupted);
   if (!live) return live.error();
   if (!*live) return {};
-  SceneControl control(options.address, options.access);
+  SceneControl control((*live)->client->place());
   WindowRun run(options, *(*live)->client, control, (*live)->objects, (*live)->view, **display);
   const auto done = run.run(interrupted);
   (*live)->stop.request_stop();  // running fetches are not needed any more

@@ -125,6 +125,7 @@ class Page {
         this.panels.remove(m.id);
       },
       kernels: () => this.waitingKernels.set(m.id, m),
+      moved: () => this.moveTo(m),
       film: () => this.panels.film(m),
       frame: () => this.takeFrame(m),
       order: () => this.takeOrder(m),
@@ -138,6 +139,13 @@ class Page {
     };
     takers[m.type]?.();
     if (m.type === 'object' || m.type === 'removed') this.changed();
+  }
+
+  // The page of the next server. Only the token for that server goes there.
+  moveTo({ address, token }) {
+    const next = new URL(`${location.protocol}//${address}/`);
+    next.hash = new URLSearchParams({ ...(token ? { token } : {}), ...(given.has('view') ? { view: '' } : {}) });
+    location.replace(next);
   }
 
   takeFrame(m) {

@@ -16,6 +16,7 @@
 //            order   global indices (base + i), nearest first, by depth along the axis of the view or by distance from its
 //                    position; equal depths in the order of objects and kernels. All kernels are in it; the page culls.
 //                    Absent if only hands or the state of the run changed.
+//   moved    address, token: the server shut down, and the session continues at that one; the last message
 // Kernels of an object come before the first frame or order that has their indices. Objects that are hidden, or that have
 // no drivers yet, have no kernels in the order.
 import { Core } from './core.js';
@@ -49,7 +50,7 @@ class CallError extends Error {
 
 class Session {
   constructor({ token, rate_hz, wasm, film }) {
-    Object.assign(this, { token, rate_hz: rate_hz || 60, wasm, film, stopped: false, id: '', instance: '', socket: null, silentStreams: 0 });
+    Object.assign(this, { token, rate_hz: rate_hz || 60, wasm, film, stopped: false, id: '', instance: '', next: null, socket: null, silentStreams: 0 });
     this.assetsFolder = new URL('/assets/', location.href).href;
     this.view = null; // the last of the page
     this.hands = { left: null, right: null };
@@ -120,6 +121,10 @@ class Session {
         this.takeJoin(await this.join(lost_ms));
         const end = await this.stream();
         if (this.stopped) return;
+        if (this.next) {
+          this.stop();
+          return this.post({ type: 'moved', ...this.next });
+        }
         if (isFinal(end.code)) return this.end(end.code, end.reason);
         this.tell('lost', this.draining ? `server is shutting down: ${this.draining}` : `${end.reason}; reconnecting`);
         pause = end.frames > 0 ? 0 : Math.min(Math.max(2 * pause, kRetryPause), kMaxRetryPause);
@@ -351,7 +356,8 @@ class Session {
       if (event.object_removed) this.remove(event.object_removed.object_id);
       if (event.draining !== undefined) {
         this.draining = event.draining || 'no reason reported';
-        this.tell(this.state, `server is shutting down: ${this.draining}`);
+        this.next = event.next_server?.address ? event.next_server : null;
+        this.tell(this.state, `server is shutting down: ${this.draining}${this.next ? `; continuing at ${this.next.address}` : ''}`);
       }
     }
     if (message.frame.length === 0) return;

@@ -86,6 +86,7 @@ export class Page {
   take(m) {
     if (m.type === 'status') this.states.push({ state: m.state, message: m.message, at_ms: performance.now() });
     if (m.type === 'joined') this.join = m.join;
+    if (m.type === 'moved') this.moved = m;
     if (m.type === 'object') this.objects.set(m.object.id, m.object);
     if (m.type === 'removed') for (const map of [this.objects, this.kernels, this.rows]) map.delete(m.id);
     if (m.type === 'kernels') this.kernels.set(m.id, m);

@@ -71,5 +71,55 @@ TEST_F(FleetPrograms, RefusesUnusableOptions) {
   expect_refused({"--fleet", "agones"}, "AGONES_SDK_HTTP_PORT: \"http\" is not a port");
 }
 
+// Two servers of a fleet with one certificate and key. The first one is drained.
+TEST_F(FleetPrograms, SendsClientsToTheNextServerWithATokenForIt) {
+  const auto tool = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), LIVEGS_TOOL);
+    Program program(std::move(words));
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    return program.out();
+  };
+  const std::string key = folder_ / "fleet.key", state = folder_ / "a";
+  tool({"token", "--new-key", key});
+  const auto sign = [&](const std::string& server, const std::string& valid_s) {
+    return folder_.write(server + valid_s, tool({"token", "--key", key, "--server", server, "--name", "ada",
+                                                 "--valid-s", valid_s}));
+  };
+  Program first(fleet_words({"--tls", "on", "--state-dir", state, "--fleet-key", key}));
+  const std::string port = first.first_line();
+  ASSERT_NE(port, "") << first.err();
+  Program second(
+      server_words({"--tls", "on", "--state-dir", folder_ / "b", "--certificate", state + "/server.crt",
+                    "--key", state + "/server.key", "--fleet-key", key, "--server-name", "room-b"}));
+  const std::string next_port = second.first_line();
+  ASSERT_NE(next_port, "") << second.err();
+  const std::string status = tool({"ctl", "--server", "127.0.0.1:" + port, "--state-dir", state, "status"});
+  const size_t begun = status.find("pairing code  ");
+  ASSERT_NE(begun, std::string::npos) << status;
+  const std::string code = status.substr(begun + 14, 29);
+  const auto viewer = [&](const std::string& at, const std::string& token, const std::string& pins) {
+    return client_words(at, {"--seconds", "0", "--no-video", "--every", "0", "--pair", code, "--token-file",
+                             token, "--state-dir", folder_ / pins});
+  };
+
+  Program lost(viewer(port, sign("room-b", "600"), "lost"));
+  EXPECT_EQ(lost.wait(), 1);
+  EXPECT_NE(lost.err().find("not known to this server"), std::string::npos) << lost.err();
+  EXPECT_TRUE(first.says("is for server \"room-b\", not for \"room-x7k2p\"")) << first.err();
+
+  Program client(viewer(port, sign("room-x7k2p", "600"), "pins"));
+  ASSERT_TRUE(sidecar_.wait_for("POST /allocate")) << client.err();
+  ASSERT_TRUE(first.says("streaming to")) << first.err();
+  sidecar_.set_annotations(R"("livegs.io/next-address": "127.0.0.1:)" + next_port +
+                           R"(", "livegs.io/next-server": "room-b")");
+  first.send(SIGTERM);
+  EXPECT_EQ(first.wait(), 0) << first.err();
+  EXPECT_TRUE(second.says("streaming to")) << client.err();
+  EXPECT_NE(second.err().find("with the token \"ada\", interact"), std::string::npos) << second.err();
+  EXPECT_TRUE(client.says("continuing at 127.0.0.1:" + next_port)) << client.err();
+  client.send(SIGTERM);
+  EXPECT_EQ(client.wait(), 0) << client.err();
+}
+
 }  // namespace
 }  // namespace livegs

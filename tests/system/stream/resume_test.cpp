@@ -172,6 +172,44 @@ TEST_F(Resume, ReconnectsAfterDrainIfRequested) {
   EXPECT_EQ(sink_.state().draining, "maintenance");
 }
 
+// Both servers are on this machine, without TLS.
+TEST_F(Resume, FollowsADrainingServerToTheNextOne) {
+  start();
+  const ServedScene next(box_scene());
+  const std::string address = "127.0.0.1:" + std::to_string(next.port());
+  served_->server->shut_down("maintenance", {address, ""});
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  served_.reset();
+  const size_t frames = sink_.state().frames.size();
+  ASSERT_TRUE(sink_.wait_frames(frames + 20));
+  EXPECT_EQ(client_->place()->now().address, address);
+  EXPECT_EQ(next.server->streaming_count(), 1u);
+  EXPECT_EQ(sink_.state().moving, "maintenance to " + address);
+  EXPECT_EQ(sink_.state().draining, "");
+  EXPECT_FALSE(sink_.state().resumed.back().same_server);
+  const StreamedObject& box = client_->scene().objects.back();
+  size_t bytes = 0;
+  const auto fetched =
+      client_->fetch_asset(box.asset_hash, box.asset_bytes, 0,
+                           [&](uint64_t, uint64_t, std::span<const std::byte> chunk) -> Result<void> {
+                             bytes += chunk.size();
+                             return {};
+                           });
+  EXPECT_TRUE(fetched) << fetched.error().message;
+  EXPECT_EQ(bytes, box.asset_bytes);
+  EXPECT_TRUE(client_->stop());
+}
+
+TEST_F(Resume, FollowsToOtherMachinesOverTlsOnly) {
+  start();
+  served_->server->shut_down("maintenance", {"192.0.2.1:9780", ""});
+  while (!client_->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const auto stopped = client_->stop();
+  ASSERT_FALSE(stopped);
+  EXPECT_NE(stopped.error().message.find("192.0.2.1:9780 needs TLS"), std::string::npos)
+      << stopped.error().message;
+}
+
 // The offscreen client during a restart that changes some objects. The last picture stays until the first
 // frame of the new server. New assets are fetched and drawn, and video time continues.
 TEST(OffscreenRun, ContinuesAfterServerRestart) {

@@ -25,6 +25,7 @@ class SinkLog final : public StreamSink {
     std::vector<size_t> changed_at;  // number of frames at that time
     std::vector<uint32_t> removed;
     std::string draining;
+    std::string moving;  // "REASON to ADDRESS"
   };
 
   void on_lost(const std::string& reason) override {
@@ -50,6 +51,9 @@ class SinkLog final : public StreamSink {
   }
   void on_object_removed(uint32_t object_id) override {
     note([&](State& state) { state.removed.push_back(object_id); });
+  }
+  void on_moving(const std::string& reason, const std::string& address) override {
+    note([&](State& state) { state.moving = reason + " to " + address; });
   }
   void on_draining(const std::string& reason) override {
     note([&](State& state) { state.draining = reason; });
