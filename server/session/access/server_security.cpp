@@ -196,7 +196,7 @@ ServerSecurity::~ServerSecurity() {
 }
 
 void ServerSecurity::set_port(int port) {
-  const std::string text = std::to_string(port) + "\n";
+  const std::string text = std::to_string(port) + "\n" + fingerprint_ + "\n";
   if (::ftruncate(lock_, 0) != 0 || ::pwrite(lock_, text.data(), text.size(), 0) < 0)
     log_warn("%s: the port could not be saved: %s; livegs ctl cannot find this server", folder_.c_str(),
              std::strerror(errno));
@@ -208,19 +208,17 @@ Result<LocalServer> find_local_server(const std::filesystem::path& folder) {
   const int running = ::open((folder / kRunningFile).c_str(), O_RDONLY | O_CLOEXEC);
   if (running < 0) return none;
   const bool held = ::flock(running, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  char text[16] = {};
+  char text[128] = {};
   const ssize_t size = ::pread(running, text, sizeof text - 1, 0);
   ::close(running);
   LocalServer server;
-  if (!held || size <= 0 || std::from_chars(text, text + size, server.port).ec != std::errc()) return none;
+  const char* end = text + std::max<ssize_t>(size, 0);
+  const auto port = std::from_chars(text, end, server.port);
+  if (!held || port.ec != std::errc() || port.ptr == end) return none;
+  server.fingerprint.assign(port.ptr + 1, std::find(port.ptr + 1, end, '\n'));
   auto token = read_secret_file(folder / kAdminFile);
   if (!token) return token.error();
-  auto certificate = read_text_file(folder / kCertificateFile, 1 << 20);
-  if (!certificate) return certificate.error();
-  auto fingerprint = certificate_fingerprint(*certificate);
-  if (!fingerprint) return fingerprint.error();
   server.token = token->substr(0, token->find('\n'));
-  server.fingerprint = std::move(*fingerprint);
   return server;
 }
 

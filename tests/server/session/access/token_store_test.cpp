@@ -288,6 +288,22 @@ TEST(ServerSecurity, KeepsItsCertificateAndRenewsItsLocalToken) {
   EXPECT_FALSE((*again)->tokens().check(token));
 }
 
+// `livegs ctl` finds a server whose certificate is not in its folder.
+TEST(ServerSecurity, IsFoundWithACertificateOfItsOwn) {
+  const ScratchFolder folder;
+  const auto other = ServerSecurity::open(folder / "other");
+  ASSERT_TRUE(other) << other.error().message;
+  const auto server = ServerSecurity::open(
+      folder / "state", system_wall_clock(),
+      CertificateFiles{folder / "other" / "server.crt", folder / "other" / "server.key"});
+  ASSERT_TRUE(server) << server.error().message;
+  (*server)->set_port(4711);
+  const auto found = find_local_server(folder / "state");
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->port, 4711);
+  EXPECT_EQ(found->fingerprint, (*other)->fingerprint());
+}
+
 TEST(ServerSecurity, RefusesBadFilesByName) {
   const ScratchFolder folder;
   const std::filesystem::path state = folder / "state", other = folder / "other";
