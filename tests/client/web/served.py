@@ -93,6 +93,41 @@ class Server:
         self.process.stdout.close()
 
 
+class Sidecar:
+    """The sidecar of an Agones fleet for servers that start within this context; `annotations` of its GameServer."""
+
+    def __init__(self, name):
+        self.annotations, self.calls = {}, []
+        outer = self
+
+        class Handler(http.server.BaseHTTPRequestHandler):
+            def answer(self):
+                self.rfile.read(int(self.headers.get('content-length', 0)))
+                outer.calls.append(f'{self.command} {self.path}')
+                text = json.dumps({'object_meta': {'name': name, 'annotations': outer.annotations}, 'status': {'state': 'Ready'}}).encode()
+                self.send_response(200)
+                self.send_header('content-length', str(len(text)))
+                self.end_headers()
+                self.wfile.write(text)
+
+            do_GET = do_POST = do_PUT = do_PATCH = answer
+
+            def log_message(self, *_):
+                pass
+
+        self.server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), Handler)
+        threading.Thread(target=self.server.serve_forever, daemon=True).start()
+
+    def __enter__(self):
+        os.environ['AGONES_SDK_HTTP_PORT'] = str(self.server.server_address[1])
+        return self
+
+    def __exit__(self, *_):
+        del os.environ['AGONES_SDK_HTTP_PORT']
+        self.server.shutdown()
+        self.server.server_close()
+
+
 class Site:
     """A folder behind a plain file server, a site of its own. `cuts`: the first transfer of each asset ends in its middle."""
 

@@ -55,6 +55,14 @@ TEST_F(FleetPrograms, EndsWithOneLineWithoutASidecar) {
   expect_one_line(server, "--fleet agones: no sidecar replied at http://localhost:1 within 30 s");
 }
 
+TEST_F(FleetPrograms, EndsInOrderWhileItWaitsForASidecar) {
+  use_port(1);
+  Program server(fleet_words({"--verbose"}));
+  ASSERT_TRUE(server.says_often("agones: GET /gameserver", 2)) << server.err();
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0) << server.err();
+}
+
 TEST_F(FleetPrograms, RefusesUnusableOptions) {
   const auto expect_refused = [&](std::vector<std::string> more, const std::string& message) {
     Program server(server_words(std::move(more)));
