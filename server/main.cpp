@@ -39,7 +39,9 @@
 #include "session/rpc/grpc_server.h"
 #include "session/sessions/session_table.h"
 #include "session/simulation/simulation_loop.h"
+#include "session/stored/stored_scene.h"
 #include "session/support/scene_memory.h"
+#include "store/object_store.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
 #include "web/qr_text.h"
@@ -47,7 +49,7 @@
 namespace {
 
 struct Options {
-  std::string scene;
+  std::string scene, asset_store, client_store;
   std::string listen = "127.0.0.1:9780";
   std::string tls = "auto";
   std::string state_dir, certificate, key;
@@ -104,6 +106,19 @@ std::string check_origin(const std::string& text) {
       host > 0 && !name.empty() &&
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789.-:[]") == std::string_view::npos;
   return good ? "" : text + ": is not an origin; give scheme and host only, such as https://example.org";
+}
+
+// Address of the store for clients, without a slash at the end; empty: they fetch from the server.
+std::string client_store(const Options& options) {
+  std::string place = options.client_store;
+  if (place.empty()) {
+    place = options.asset_store;
+    if (place.empty()) place = options.scene.substr(0, options.scene.rfind('/'));
+    const bool open = place.starts_with("http://") || place.starts_with("https://");
+    if (!open || livegs::shown_url(place) != place) return "";  // never passes a key on
+  }
+  while (place.ends_with('/')) place.pop_back();
+  return place;
 }
 
 // Address at which clients reach the server.
@@ -202,6 +217,14 @@ livegs::Result<std::unique_ptr<livegs::FleetMember>> join_fleet(const Options& o
   return fleet;
 }
 
+// Empty if `text` is an address that clients may fetch from, else the reason.
+std::string check_store(const std::string& text) {
+  const bool good = (text.starts_with("http://") || text.starts_with("https://")) &&
+                    text.find_first_of(" ?#;,'\"") == std::string::npos;
+  return good ? ""
+              : livegs::shown_url(text) + ": is not a store for clients; give an http:// or https:// address";
+}
+
 int run(const Options& options) {
   using namespace livegs;
   // A range check accepts NaN.
@@ -250,9 +273,24 @@ int run(const Options& options) {
   scene_options.drop = options.drop;
   scene_options.wait_for_pieces = options.wait_for_client;
   scene_options.cache = std::make_shared<BuildCache>();
-  auto text = options.fresh ? new_scene(options.scene) : read_scene(options.scene, options.drop);
+  // Files that come from a store. They are fetched while the port is bound, so that early clients wait.
+  std::optional<StoredScene> stored;
+  std::string scene_path = options.scene;
+  if (!options.asset_store.empty() || is_store_url(options.scene)) {
+    auto fetched = StoredScene::fetch(options.scene, options.asset_store);
+    if (!fetched) return report(fetched.error());
+    stored.emplace(*std::move(fetched));
+    scene_path = stored->path();
+    const std::string place = client_store(options);
+    if (place.empty())
+      log_info(
+          "store: clients fetch assets from this server; give --client-store URL to have them fetched there");
+    else
+      (*server)->use_store({place + "/assets", stored->assets()});
+  }
+  auto text = options.fresh ? new_scene(scene_path) : read_scene(scene_path, options.drop);
   if (!text) return report(text.error());
-  if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return report(fits.error());
+  if (auto fits = check_scene_memory(scene_path, options.clients); !fits) return report(fits.error());
   auto document = SceneDocument::open(*std::move(text));
   if (!document) return report(document.error());
   auto scene = Scene::build(document->scene(), document->folder(), document->name(), scene_options);
@@ -278,7 +316,7 @@ int run(const Options& options) {
   RunController run(
       loop,
       [&](uint32_t first_object_id) -> Result<Scene> {
-        if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return fits.error();
+        if (auto fits = check_scene_memory(scene_path, options.clients); !fits) return fits.error();
         return author.build(first_object_id);
       },
       [&](Scene loaded) {
@@ -294,9 +332,10 @@ int run(const Options& options) {
   // Before clients can join, so that a port in use ends the server without disconnecting them.
   std::unique_ptr<Metrics> metrics;
   if (options.metrics_port) {
-    auto served = Metrics::serve(
-        *options.metrics_port,
-        {(*server)->session_table(), [&] { return loop.summary(); }, [&] { return (*server)->published(); }});
+    auto served =
+        Metrics::serve(*options.metrics_port, {(*server)->session_table(), [&] { return loop.summary(); },
+                                               [&] { return (*server)->published(); },
+                                               [&] { return (*server)->asset_bytes_sent(); }});
     if (!served) return report(served.error());
     metrics = std::move(*served);
     log_info("metrics: http://127.0.0.1:%d/metrics", metrics->port());
@@ -367,7 +406,20 @@ int main(int argc, char** argv) {
   livegs::require_processor();
   Options options;
   CLI::App app("Simulates a scene of Gaussian splats and streams it to livegs-client", "livegs-server");
-  app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();
+  app.add_option(
+         "SCENE", options.scene,
+         "A *.scene.json file, a folder of assets, or the address of a scene that livegs publish stored")
+      ->required();
+  app.add_option(
+         "--asset-store", options.asset_store,
+         "Folder, http(s):// or s3://BUCKET/PREFIX of livegs publish: files that are missing here come "
+         "from there, and clients fetch assets there (default: the folder of SCENE)")
+      ->type_name("PLACE");
+  app.add_option(
+         "--client-store", options.client_store,
+         "Address of the same store for clients, if it is another one (default: the http(s):// address "
+         "of --asset-store or SCENE; else clients fetch from this server)")
+      ->check(check_store);
   app.add_option(
          "--listen", options.listen,
          "Address; port 0 lets the system choose. 0.0.0.0 accepts other machines, with TLS and a token")
@@ -499,6 +551,8 @@ int main(int argc, char** argv) {
                  {"--allow-origin", "ORIGIN"},
                  {"--clients", ""},
                  {"--client-mbit-s", "NUMBER"},
+                 {"--asset-store", "PLACE"},
+                 {"--client-store", "URL"},
                  {"--publish", "tcp://127.0.0.1:PORT"}});
   group_options(
       app, "Fleet",
@@ -522,7 +576,8 @@ int main(int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  livegs-server scene/sample.scene.json                       # for clients on this machine\n"
-      "  livegs-server FOLDER --listen 0.0.0.0:9780 --record out/session.lvgrec    # also for others");
+      "  livegs-server FOLDER --listen 0.0.0.0:9780 --record out/session.lvgrec    # also for others\n"
+      "  livegs-server https://store.example.org/rooms/hall.scene.json    # published by livegs publish");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

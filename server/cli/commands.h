@@ -26,6 +26,7 @@ void add_analyze(CLI::App& app, int& exit_code);
 void add_chart(CLI::App& app, int& exit_code);
 void add_ctl(CLI::App& app, int& exit_code);
 void add_token(CLI::App& app, int& exit_code);
+void add_publish(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 
 // Prints "livegs: " and the error on one line. Returns the exit code for it: 2 if the user can correct the

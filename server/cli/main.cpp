@@ -80,6 +80,7 @@ int main(int argc, char** argv) {
   livegs::add_fit(app, exit_code);
   livegs::add_chart(app, exit_code);
   livegs::add_export(app, exit_code);
+  livegs::add_publish(app, exit_code);
   livegs::add_ctl(app, exit_code);
   livegs::add_token(app, exit_code);
   try {

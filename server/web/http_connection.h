@@ -178,6 +178,10 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     response.set(http::field::vary, "Accept-Encoding, Origin");
     if (!coding.empty()) response.set(http::field::content_encoding, std::string(coding));
     std::string policy = std::string(kPagePolicy) + "; frame-ancestors";
+    if (!shared_.store_origin.empty()) {
+      constexpr std::string_view kOwn = "connect-src 'self'";
+      policy.insert(policy.find(kOwn) + kOwn.size(), " " + shared_.store_origin);
+    }
     if (shared_.origins.empty()) policy += " 'none'";
     for (const std::string& origin : shared_.origins) policy += " " + origin;
     response.set("Content-Security-Policy", policy);

@@ -72,6 +72,8 @@ void WebServer::allow_origins(std::vector<std::string> origins) {
   parts_->shared.origins = std::move(origins);
 }
 
+void WebServer::connect_to(std::string origin) { parts_->shared.store_origin = std::move(origin); }
+
 void WebServer::take(int socket, bool tls) {
   asio::post(parts_->shared.io, [this, socket, tls] {
     Shared& shared = parts_->shared;

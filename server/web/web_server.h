@@ -64,6 +64,9 @@ class WebServer {
   // no access to calls, assets or the stream. Before the first take().
   void allow_origins(std::vector<std::string> origins);
 
+  // Another origin to which the page may connect: that of an asset store. Before the first take().
+  void connect_to(std::string origin);
+
   // Takes over a connected socket. `tls`: its first bytes are a TLS handshake. Any thread.
   void take(int socket, bool tls);
   // Waits up to a second for streams to send their last message, then closes all connections. May be called

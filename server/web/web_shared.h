@@ -48,6 +48,7 @@ struct Shared {
   asio::thread_pool pool{1};
   CodedAssets assets;
   std::vector<std::string> origins;  // allow_origins()
+  std::string store_origin;          // connect_to()
   bool closing = false;              // on the io thread
   // A connection. It is closed at shutdown. Its last owner may be a thread of gRPC.
   struct Open {

@@ -82,7 +82,7 @@ class PartFile {
 }  // namespace
 
 Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_t asset_bytes,
-                                                const Fetch& fetch, const Progress& progress,
+                                                std::span<const Fetch> sources, const Progress& progress,
                                                 std::stop_token stop) const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
@@ -129,8 +129,8 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
     fetched += bytes.size();
     return decode(bytes);
   };
-  // Data from an earlier attempt may be invalid; in that case the fetch is repeated from the start.
-  for (const bool resumed : {part->size() > 0, false}) {
+  // Fetches the rest and checks the whole; `spoilt` is set if the bytes were wrong, and they are discarded.
+  const auto attempt = [&](const Fetch& fetch) -> Result<Obtained> {
     decoder = {};
     spoilt.reset();
     if (part->size() > 0) {
@@ -155,9 +155,16 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
                                                           : "the data is incomplete"));
     }
     if (!part->truncate()) return system_error(part_path, "cannot be truncated");
-    if (!resumed) break;
+    return invalid_data(name + spoilt->message.substr(spoilt->message.find(':')));
+  };
+  for (;; sources = sources.subspan(1)) {
+    // Data from an earlier attempt may be invalid; in that case the fetch is repeated from the start.
+    const bool resumed = part->size() > 0;
+    auto obtained = attempt(sources.front());
+    if (!obtained && spoilt && resumed) obtained = attempt(sources.front());
+    if (obtained || sources.size() == 1 || stop.stop_requested()) return obtained;
+    log_warn("%s; fetching it from the server", obtained.error().message.c_str());
   }
-  return invalid_data(name + spoilt->message.substr(spoilt->message.find(':')));
 }
 
 Result<std::filesystem::path> AssetCache::default_folder() {

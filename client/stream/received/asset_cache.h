@@ -8,6 +8,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -37,6 +38,12 @@ class AssetCache {
   using Fetch = std::function<Result<void>(uint64_t offset, const TakeChunk& take)>;
   using Progress = std::function<void(const ProgressiveDecoder& so_far)>;
   Result<Obtained> obtain(const std::string& hash, uint64_t asset_bytes, const Fetch& fetch,
+                          const Progress& progress = {}, std::stop_token stop = {}) const {
+    return obtain(hash, asset_bytes, std::span(&fetch, 1), progress, std::move(stop));
+  }
+  // From the first of several sources that gives the right bytes; the last one is the server. The failure of
+  // an earlier one is logged, and the next one continues the transfer. Precondition: there is a source.
+  Result<Obtained> obtain(const std::string& hash, uint64_t asset_bytes, std::span<const Fetch> sources,
                           const Progress& progress = {}, std::stop_token stop = {}) const;
 
   const std::filesystem::path& folder() const { return folder_; }

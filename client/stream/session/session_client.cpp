@@ -22,6 +22,7 @@
 #include "core/log.h"
 #include "core/text/format_text.h"
 #include "livegs/v1/session.grpc.pb.h"
+#include "store/object_store.h"
 #include "stream/channel/retry_schedule.h"
 #include "stream/channel/rpc_channel.h"
 #include "stream/session/session_stream.h"
@@ -38,6 +39,8 @@ using Clock = std::chrono::system_clock;  // gRPC's deadlines
 constexpr std::chrono::seconds kCallDeadline{10};
 // Deadline for resuming a session; short, so that a lost reply is retried soon.
 constexpr std::chrono::seconds kRejoinDeadline{2};
+// A store that fails for longer is left for the server.
+constexpr StoreTimes kStoreTimes{.patience_s = 5, .stall_s = 3};
 constexpr int64_t kRetryInterval_ns = 100'000'000;  // while the server builds its scene
 // A call for an asset that takes longer is repeated from the last byte if data of any asset arrived.
 // Otherwise the fetch fails and the received data is kept for the next attempt.
@@ -114,6 +117,9 @@ struct SessionClient::Connection {
   std::string asset_session_id;           // of the asset_stub; the session whose bandwidth cap fetches share
   std::shared_ptr<SessionStream> stream;  // null while disconnected; shared with threads that send
   std::optional<ViewCone> view;           // the last view set
+  std::shared_ptr<ObjectStore> store;     // null: none, or it failed
+  std::set<std::string, std::less<>> stored;  // hashes of the assets in it
+  std::stop_source fetches_end;
   bool stopping = false, given_up = false;
   std::set<grpc::ClientContext*> calls;  // cancelled on give-up
   Result<void> outcome;
@@ -126,6 +132,7 @@ struct SessionClient::Connection {
     return stub;
   }
 
+  void take_store(const v1::JoinReply& reply);
   void run();
   Result<v1::JoinReply> join(int64_t give_up_ns);
   Result<void> move_to(const v1::NextServer& next);
@@ -161,6 +168,7 @@ void SessionClient::Connection::give_up() {
   {
     std::lock_guard lock(mutex);
     stopping = given_up = true;
+    fetches_end.request_stop();
     if (stream) stream->stop();
     for (grpc::ClientContext* call : calls) call->TryCancel();
   }
@@ -171,6 +179,20 @@ void SessionClient::Connection::give_up() {
 bool SessionClient::Connection::wait(int64_t duration_ns) {
   std::unique_lock lock(mutex);
   return changed.wait_for(lock, std::chrono::nanoseconds(duration_ns), [&] { return stopping; });
+}
+
+// Precondition: the mutex is held.
+void SessionClient::Connection::take_store(const v1::JoinReply& reply) {
+  store.reset();
+  stored.clear();
+  for (const v1::StoredAsset& asset : reply.stored_assets()) stored.insert(asset.hash());
+  const std::string& url = reply.asset_store();
+  if (!url.starts_with("http://") && !url.starts_with("https://")) return;
+  auto opened = ObjectStore::open(url, kStoreTimes);
+  if (opened)
+    store = *std::move(opened);
+  else
+    log_warn("%s; fetching assets from the server", opened.error().message.c_str());
 }
 
 // Connects and joins, with the session's id if there is one. Unavailable without a message if no server
@@ -212,6 +234,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
         stub = std::move(connected);
         asset_stub = v1::LiveGs::NewStub(make_channel(address, access.get()));
         asset_session_id = reply.session_id();
+        take_store(reply);
         return reply;
       }
       const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
@@ -317,6 +340,32 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     const auto place = connection.place->now();
     connection.asset_stub = v1::LiveGs::NewStub(make_channel(place.address, place.access.get()));
   }
+}
+
+AssetCache::Fetch SessionClient::stored_asset(const std::string& hash, uint64_t asset_bytes) {
+  Connection& connection = *connection_;
+  std::shared_ptr<ObjectStore> store;
+  std::stop_token end;
+  {
+    std::lock_guard lock(connection.mutex);
+    if (!connection.stored.contains(hash)) return nullptr;
+    store = connection.store;
+    end = connection.fetches_end.get_token();
+  }
+  if (!store) return nullptr;
+  return [&connection, store, end, hash, asset_bytes](uint64_t from, const TakeChunk& take) -> Result<void> {
+    auto done = store->read(
+        hash, from,
+        [&](uint64_t offset, std::span<const std::byte> bytes) { return take(offset, asset_bytes, bytes); },
+        end);
+    const bool failed = !done && (done.error().code == ErrorCode::Unavailable ||
+                                  done.error().code == ErrorCode::PermissionDenied);
+    if (failed) {  // for the other assets too
+      std::lock_guard lock(connection.mutex);
+      if (connection.store == store) connection.store.reset();
+    }
+    return done;
+  };
 }
 
 Result<v1::AnalyzeObjectReply> SessionClient::analyze(const std::string& object) {

@@ -63,6 +63,10 @@ class SessionClient {
   Result<void> fetch_asset(const std::string& hash, uint64_t asset_bytes, uint64_t offset,
                            const TakeChunk& take);
 
+  // A fetch of an asset from the store that the server names (JoinReply.asset_store), which must not outlive
+  // this client; null if no store has it, or after the store failed or refused. Any thread.
+  AssetCache::Fetch stored_asset(const std::string& hash, uint64_t asset_bytes);
+
   Result<v1::AnalyzeObjectReply> analyze(const std::string& object);
 
   // Opens the stream and keeps it open on internal threads that call `sink`. Call once.

@@ -48,16 +48,23 @@ Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_
       keep_part(so_far, asked);
     };
   }
-  const auto fetch = [&](uint64_t from, const TakeChunk& take) {
-    return fetch_(hash, bytes, from,
-                  [&](uint64_t offset, uint64_t total, std::span<const std::byte> chunk) -> Result<void> {
-                    if (auto taken = take(offset, total, chunk); !taken) return taken;
-                    std::lock_guard lock(mutex_);
-                    asked.arrived_bytes = offset + chunk.size();
-                    return {};
-                  });
+  const auto counted = [&](AssetCache::Fetch fetch) -> AssetCache::Fetch {
+    return [this, &asked, fetch = std::move(fetch)](uint64_t from, const TakeChunk& take) {
+      return fetch(from,
+                   [&](uint64_t offset, uint64_t total, std::span<const std::byte> chunk) -> Result<void> {
+                     if (auto taken = take(offset, total, chunk); !taken) return taken;
+                     std::lock_guard lock(mutex_);
+                     asked.arrived_bytes = offset + chunk.size();
+                     return {};
+                   });
+    };
   };
-  auto obtained = cache_.obtain(hash, bytes, fetch, progress, stop_);
+  std::vector<AssetCache::Fetch> sources;
+  if (auto stored = find_stored_ ? find_stored_(hash, bytes) : nullptr)
+    sources.push_back(counted(std::move(stored)));
+  sources.push_back(
+      counted([&](uint64_t from, const TakeChunk& take) { return fetch_(hash, bytes, from, take); }));
+  auto obtained = cache_.obtain(hash, bytes, sources, progress, stop_);
   if (!obtained) return obtained.error();
   if (stop_.stop_requested())
     return Error{ErrorCode::Unavailable, "asset " + hash.substr(0, 12) + ": the fetch was cancelled"};

@@ -30,12 +30,17 @@ class AssetLibrary {
   // fetches; request `stop`, which `fetch` must observe as well, to end them early.
   AssetLibrary(FetchAsset fetch, const AssetCache& cache, std::stop_token stop = {})
       : fetch_(std::move(fetch)), cache_(cache), stop_(std::move(stop)) {}
+  // From the store that the server names, and from the server.
   AssetLibrary(SessionClient& client, const AssetCache& cache, std::stop_token stop = {})
       : AssetLibrary(
             [&client](const std::string& hash, uint64_t bytes, uint64_t offset, const TakeChunk& take) {
               return client.fetch_asset(hash, bytes, offset, take);
             },
-            cache, std::move(stop)) {}
+            cache, std::move(stop)) {
+    find_stored_ = [&client](const std::string& hash, uint64_t bytes) {
+      return client.stored_asset(hash, bytes);
+    };
+  }
 
   using Asset = std::shared_ptr<const GaussianAsset>;
   // Makes partially received assets available before they are complete.
@@ -94,6 +99,8 @@ class AssetLibrary {
   void keep_part(const ProgressiveDecoder& so_far, RequestedAsset& asked);
 
   const FetchAsset fetch_;
+  // An asset's fetch from a store; null if no store has it.
+  std::function<AssetCache::Fetch(const std::string& hash, uint64_t bytes)> find_stored_;
   const AssetCache& cache_;
   const std::stop_token stop_;
   bool shows_parts_ = false;

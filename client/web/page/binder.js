@@ -4,13 +4,16 @@
 //
 //   start     module, token, assets: address of their folder
 //   describe  description (its number), rest: the rest body, or null if its kernels are bound already; session: its id;
-//             asset_hash, asset_bytes; broken_asset_hash, broken_asset_bytes: of an object that may break
+//             store: { url, hashes: SHA-256 of the form for browsers, by the hash of the asset }, or undefined; asset_hash,
+//             asset_bytes; broken_asset_hash, broken_asset_bytes: of an object that may break
 //   forget    description: it was removed or replaced
 //
 // Answers: bound (Core.bound()), failed { description, message }, loading { message }, received { bytes }, crashed { message }.
 import { Core } from './core.js';
 
 const kFetches = 4, kRetryPause_ms = 150, kLoading_ms = 100, kCacheName = 'livegs-assets-1';
+const kStoreAttempts = 5; // without a byte, before the asset is fetched from the server
+class CutError extends Error {}
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 class Binder {
@@ -18,8 +21,9 @@ class Binder {
     Object.assign(this, { core, token, folder, session: '', assets: new Map(), fetching: 0 });
   }
 
-  describe({ description, rest, session, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes }) {
+  describe({ description, rest, session, store, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes }) {
     this.session = session;
+    this.store = store?.url ? store : null;
     const asset = this.request(asset_hash, asset_bytes, false);
     if (broken_asset_hash) this.request(broken_asset_hash, broken_asset_bytes, true);
     if (rest) {
@@ -95,6 +99,51 @@ class Binder {
     }, kLoading_ms);
   }
 
+  // From the store, resumed by ranges. Throws if it fails or its bytes have another hash.
+  async loadStored(asset, cache, path) {
+    const { core, store } = this, fetched = [], plain = [];
+    const inflater = new Inflater((chunk) => {
+      this.take(asset, chunk);
+      if (cache) plain.push(chunk);
+    });
+    let have = 0, failures = 0;
+    for (let total = Infinity; have < total;) {
+      let reply = null;
+      try {
+        reply = await fetch(`${store.url}/${asset.hash}.web`, { credentials: 'omit', ...(have > 0 ? { headers: { range: `bytes=${have}-` } } : {}) });
+      } catch { /* tried again */ }
+      const passing = !reply || reply.status >= 500 || reply.status === 429 || reply.status === 408;
+      if (!passing && reply.status !== 206 && reply.status !== 200) throw new Error(`status ${reply.status}`);
+      const begun = have;
+      if (!passing) {
+        let skip = reply.status === 200 ? have : 0; // a store without ranges
+        const length = Number(reply.headers.get('content-length')); // 0: unknown
+        if (length > 0) total = length + (reply.status === 206 ? have : 0);
+        try {
+          let broken = null;
+          await eachChunk(reply.body, async (all) => {
+            postMessage({ type: 'received', bytes: all.length });
+            const chunk = all.subarray(Math.min(skip, all.length));
+            skip -= all.length - chunk.length;
+            have += chunk.length;
+            fetched.push(chunk);
+            try { await inflater.write(chunk); } catch (error) { broken = error; throw error; }
+          }).catch((error) => { if (broken) throw broken; throw new CutError(error.message); });
+          if (length === 0) total = have;
+        } catch (error) {
+          if (!(error instanceof CutError)) throw error;
+        }
+      }
+      failures = have > begun ? 0 : failures + 1;
+      if (failures > kStoreAttempts) throw new Error(reply ? `status ${reply.status}` : 'no connection');
+      if (have < total) await sleep(kRetryPause_ms);
+    }
+    if (await sha256(new Blob(fetched)) !== store.hashes[asset.hash]) throw new Error('its bytes have another hash');
+    await inflater.end();
+    if (!core.call.asset_complete(asset.number)) throw new Error('its bytes are incomplete');
+    await cache?.put(path, new Response(new Blob(plain), { headers: { 'content-length': String(asset.arrived) } })).catch(() => {});
+  }
+
   async load(asset) {
     const { core } = this, path = this.folder + asset.hash, complete = () => core.call.asset_complete(asset.number);
     const cache = await globalThis.caches?.open(kCacheName).catch(() => null); // secure contexts only
@@ -114,6 +163,15 @@ class Binder {
       }
       await cache.delete(path);
       restart();
+    }
+    if (this.store?.hashes[asset.hash]) {
+      try {
+        return await this.loadStored(asset, cache, path);
+      } catch (error) {
+        if (error instanceof WebAssembly.RuntimeError) throw error;
+        console.warn(`asset ${asset.hash.slice(0, 12)}: ${this.store.url}: ${error.message}; fetching it from the server`);
+        restart();
+      }
     }
     const chunks = [], headers = { ...(this.token ? { authorization: `Bearer ${this.token}` } : {}) };
     for (let damaged = false; ;) {
@@ -154,11 +212,31 @@ class Binder {
   }
 }
 
+// Takes what was fetched of a gzip stream, piece by piece.
+class Inflater {
+  constructor(take) {
+    const stream = new DecompressionStream('gzip');
+    this.writer = stream.writable.getWriter();
+    this.done = eachChunk(stream.readable, take);
+    this.done.catch(() => {}); // reported by whichever is awaited
+  }
+  write(chunk) { return Promise.race([this.writer.write(chunk), this.done]); }
+  async end() {
+    await Promise.race([this.writer.close(), this.done]);
+    await this.done;
+  }
+}
+
+async function sha256(blob) {
+  const digest = new Uint8Array(await crypto.subtle.digest('SHA-256', await blob.arrayBuffer()));
+  return Array.from(digest, (byte) => byte.toString(16).padStart(2, '0')).join('');
+}
+
 async function eachChunk(body, take) {
   for (const reader = body.getReader();;) {
     const { done, value } = await reader.read();
     if (done) return;
-    take(value);
+    await take(value);
   }
 }
 

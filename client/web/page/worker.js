@@ -185,6 +185,7 @@ class Session {
 
   takeJoin(reply) {
     const first = this.instance === '', restarted = !first && reply.server_instance !== this.instance;
+    this.store = { url: reply.asset_store, hashes: Object.fromEntries(reply.stored_assets.map((one) => [one.hash, one.web_sha256])) };
     Object.assign(this, { id: reply.session_id, instance: reply.server_instance, tickRate_hz: reply.rate_hz, draining: '' });
     const { objects, ...join } = reply;
     this.post({ type: 'joined', join: { ...join, objects: objects.map(withoutBody) } });
@@ -222,7 +223,7 @@ class Session {
       const binds = this.core.take('describe_object', [number, id, added, environment, hidden], rest) === 1;
       if (added) dropOf(this.asked, id);
       if (binds) this.asked.set(number, { id, added });
-      this.binder.postMessage({ type: 'describe', description: number, rest: binds ? rest : null, session: this.id, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes });
+      this.binder.postMessage({ type: 'describe', description: number, rest: binds ? rest : null, session: this.id, store: this.store, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes });
     });
     this.viewChanged = true; // it may be hidden or shown
   }

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "analysis/model/conversation.h"
-#include "analysis/model/secret.h"
 #include "core/result.h"
+#include "store/secret.h"
 
 // Endpoints of the language model: a server with OpenAI's chat completions API (OpenAI, vLLM, llama.cpp,
 // Ollama, or one with plain text only), or a folder of recorded answers.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -47,9 +49,13 @@ class AssetStore {
   // kUnusedAssetLifetime_ns. A transfer in progress holds its own reference.
   void drop_unused(const std::set<std::string>& announced, int64_t now_ns);
   std::vector<std::string> hashes() const;  // of all stored assets
+  // Bytes of assets that were sent to clients so far, for metrics.
+  void count_sent(size_t bytes) const { sent_bytes_ += bytes; }
+  uint64_t sent_bytes() const { return sent_bytes_; }
 
  private:
   const Encoder encoder_;
+  mutable std::atomic<uint64_t> sent_bytes_ = 0;
   mutable std::mutex mutex_;  // guards everything below
   std::condition_variable encoded_;
   std::set<const GaussianAsset*> encoding_;  // being encoded on some thread

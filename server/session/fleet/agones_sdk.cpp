@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "analysis/model/chat/http_client.h"
+#include "store/http_client.h"
 #include "analysis/text/json_text.h"
 #include "core/text/shown_text.h"
 

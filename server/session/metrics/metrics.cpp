@@ -185,6 +185,10 @@ class Collector final : public prometheus::Collectable {
     collect_simulation(sources_.simulation(), families);
     collect_publisher(sources_.publisher(), families);
     collect_sessions(sources_.sessions, families);
+    auto& assets = families.emplace_back(
+        family("livegs_asset_bytes_total", "Bytes of assets sent to clients by this server, not by a store",
+               MetricType::Counter));
+    add(assets, static_cast<double>(sources_.asset_bytes()));
     return families;
   }
 

@@ -20,6 +20,7 @@ class Metrics {
     const SessionTable& sessions;
     std::function<SimulationSummary()> simulation;
     std::function<PublisherSummary()> publisher;
+    std::function<uint64_t()> asset_bytes;  // sent to clients
   };
   // Port 0 lets the system choose. Unavailable if the port is in use. The sources must outlive the object.
   static Result<std::unique_ptr<Metrics>> serve(int port, Sources sources);

@@ -41,15 +41,6 @@ void for_each_path(v1::Object& object, const Visit& visit) {
   if (object.form_case() == v1::Object::kPoints) visit_given(*object.mutable_points(), visit);
 }
 
-void for_each_path(v1::Scene& scene, const Visit& visit) {
-  if (scene.has_environment()) for_each_path(*scene.mutable_environment(), visit);
-  for (v1::Object& object : *scene.mutable_objects()) for_each_path(object, visit);
-  for (v1::Event& event : *scene.mutable_events()) {
-    if (event.has_grab()) visit_given(*event.mutable_grab()->mutable_path(), visit);
-    if (event.has_pull()) visit_given(*event.mutable_pull()->mutable_path(), visit);
-  }
-}
-
 // The files of an asset that is a folder, or of the folder of its index; of a streamed one with its chunks.
 std::vector<std::string> files_in(const fs::path& folder, const std::string& name) {
   constexpr int kMaxDepth = 2;
@@ -97,6 +88,22 @@ fs::path own_folder(const fs::path& folder) {
 }
 
 }  // namespace
+
+void for_each_path(v1::Scene& scene, const std::function<void(std::string& path)>& visit) {
+  if (scene.has_environment()) for_each_path(*scene.mutable_environment(), visit);
+  for (v1::Object& object : *scene.mutable_objects()) for_each_path(object, visit);
+  for (v1::Event& event : *scene.mutable_events()) {
+    if (event.has_grab()) visit_given(*event.mutable_grab()->mutable_path(), visit);
+    if (event.has_pull()) visit_given(*event.mutable_pull()->mutable_path(), visit);
+  }
+}
+
+std::string stored_place(const std::string& given) {
+  const fs::path normal = fs::path(without_trailing_slash(given)).lexically_normal();
+  const bool elsewhere = normal.is_absolute() || (!normal.empty() && *normal.begin() == "..");
+  if (!elsewhere) return normal.string();
+  return (fs::path("elsewhere") / own_folder(normal.parent_path()) / normal.filename()).string();
+}
 
 std::vector<std::string> files_of(const v1::SceneSource& source) {
   std::vector<std::string> files;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -17,6 +18,13 @@ namespace livegs {
 // The files that a scene refers to: assets, point lists, meshes and hand paths, named as in the scene. Files
 // of an asset that is a folder are FOLDER/FILE.
 std::vector<std::string> files_of(const v1::SceneSource& source);
+
+// Visits every field that names a file.
+void for_each_path(v1::Scene& scene, const std::function<void(std::string& path)>& visit);
+
+// Where a file that a scene names is kept in a copy of the scene: a path inside of the scene's folder is
+// unchanged but normal. Files elsewhere keep their places relative to each other, below "elsewhere".
+std::string stored_place(const std::string& given);
 
 // Files that an edit of a running scene names, as a separate scene in the same folder.
 v1::SceneSource source_of(const v1::SceneChange& change, const std::string& folder);

@@ -8,10 +8,10 @@
 
 namespace livegs {
 
-AssetCall* AssetCall::start(std::shared_ptr<const AssetBytes> asset, uint64_t offset,
+AssetCall* AssetCall::start(const AssetStore& assets, const std::string& hash, uint64_t offset,
                             std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session) {
   const std::shared_ptr<AssetCall> call(
-      new AssetCall(std::move(asset), offset, std::move(budget), std::move(session)));
+      new AssetCall(assets, hash, offset, std::move(budget), std::move(session)));
   call->self_ = call;
   if (!call->asset_) {
     call->Finish({grpc::StatusCode::NOT_FOUND,
@@ -50,6 +50,7 @@ void AssetCall::write_next() {
     chunk_.set_total_bytes(bytes.size());
     chunk_.set_data(bytes.data() + offset_, turn.bytes);
     offset_ += turn.bytes;
+    assets_.count_sent(turn.bytes);
     StartWrite(&chunk_);
     return;
   }

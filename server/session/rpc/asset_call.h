@@ -21,22 +21,28 @@ inline constexpr size_t kAssetChunkBytes = 64u << 10;
 class AssetCall final : public grpc::ServerWriteReactor<v1::AssetChunk>,
                         public std::enable_shared_from_this<AssetCall> {
  public:
-  // `asset` may be null: NOT_FOUND. An offset past the end gives OUT_OF_RANGE, an offset at the end an empty
-  // stream. `session`: the session that fetches, which is kept from timing out; null without one.
-  static AssetCall* start(std::shared_ptr<const AssetBytes> asset, uint64_t offset,
+  // An unknown hash gives NOT_FOUND, an offset past the end OUT_OF_RANGE, an offset at the end an empty
+  // stream. `session`: the session that fetches, which is kept from timing out; null without one. `assets`
+  // outlives the call.
+  static AssetCall* start(const AssetStore& assets, const std::string& hash, uint64_t offset,
                           std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session);
   ~AssetCall() override { budget_->leave(this); }
 
  private:
-  AssetCall(std::shared_ptr<const AssetBytes> asset, uint64_t offset, std::shared_ptr<SendBudget> budget,
-            std::shared_ptr<ClientSession> session)
-      : asset_(std::move(asset)), budget_(std::move(budget)), session_(std::move(session)), offset_(offset) {}
+  AssetCall(const AssetStore& assets, const std::string& hash, uint64_t offset,
+            std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session)
+      : assets_(assets),
+        asset_(assets.find(hash)),
+        budget_(std::move(budget)),
+        session_(std::move(session)),
+        offset_(offset) {}
 
   void write_next();
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
   void OnDone() override;
 
+  const AssetStore& assets_;
   const std::shared_ptr<const AssetBytes> asset_;
   const std::shared_ptr<SendBudget> budget_;
   const std::shared_ptr<ClientSession> session_;

@@ -168,6 +168,13 @@ void GrpcServer::allow_origins(std::vector<std::string> origins) {
   parts_->web->allow_origins(std::move(origins));
 }
 
+void GrpcServer::use_store(ClientStore store) {
+  parts_->web->connect_to(store.url.substr(0, store.url.find('/', store.url.find("://") + 3)));
+  parts_->service.set_store(std::move(store));
+}
+
+uint64_t GrpcServer::asset_bytes_sent() const { return parts_->assets.sent_bytes(); }
+
 int GrpcServer::port() const { return parts_->door->port(); }
 
 v1::BrowserLink GrpcServer::new_browser_link() {

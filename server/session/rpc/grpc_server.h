@@ -8,6 +8,7 @@
 
 #include "core/result.h"
 #include "scene/scene.h"
+#include "session/assets/client_store.h"
 #include "session/publish/frame_publisher.h"
 #include "session/support/successor.h"
 #include "session/tick/analysis_control.h"
@@ -41,6 +42,9 @@ class GrpcServer {
 
   // WebServer::allow_origins(); before open().
   void allow_origins(std::vector<std::string> origins);
+  // The store from which clients fetch the assets that it has. Before open().
+  void use_store(ClientStore store);
+  uint64_t asset_bytes_sent() const;  // by this server to clients
   int port() const;
   // Links to the page, with a new one-time code that becomes a token of scope INTERACT; an earlier code is no
   // longer valid. Without TLS, browsers need no token. Any thread.

@@ -151,6 +151,14 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   reply.set_encoding(request.encoding());
   reply.set_view_only(scope < v1::INTERACT);
   for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
+  if (!store_.url.empty()) {
+    reply.set_asset_store(store_.url);
+    for (const ClientStore::Asset& asset : store_.assets) {
+      v1::StoredAsset& stored = *reply.add_stored_assets();
+      stored.set_hash(asset.hash);
+      stored.set_web_sha256(asset.web_sha256);
+    }
+  }
   log_info("session %.8s: \"%s\" joined %sfrom %s%s", joined->session->id.c_str(), name.c_str(),
            joined->session->id == request.resumed_session_id() ? "again " : "", peer.c_str(),
            token.empty() ? "" : (" with the token \"" + token + "\", " + scope_name(scope)).c_str());
@@ -170,7 +178,7 @@ grpc::ServerWriteReactor<v1::AssetChunk>* GrpcService::FetchAsset(grpc::Callback
                                                                   const v1::FetchAssetRequest* request) {
   auto session = session_of(*context);
   auto budget = session ? session->budget : peer_budget(context->peer());
-  return AssetCall::start(assets_.find(request->asset_hash()), request->offset(), std::move(budget),
+  return AssetCall::start(assets_, request->asset_hash(), request->offset(), std::move(budget),
                           std::move(session));
 }
 

@@ -7,6 +7,7 @@
 #include "livegs/v1/session.grpc.pb.h"
 #include "session/access/token_store.h"
 #include "session/assets/asset_store.h"
+#include "session/assets/client_store.h"
 #include "session/rpc/author_calls.h"
 #include "session/sessions/peer_budgets.h"
 #include "session/sessions/session_table.h"
@@ -62,6 +63,8 @@ class GrpcService final
   // Upper limit of a client's stream and fetches together, bytes a second; the client may request less. Also
   // the limit of all fetches without a session from one machine. Call before the first Join.
   void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
+  // The store from which clients fetch assets. Call before the first Join.
+  void set_store(ClientStore store) { store_ = std::move(store); }
   // The bandwidth limit of fetches of this caller without a session. Any thread.
   std::shared_ptr<SendBudget> peer_budget(std::string_view peer) {
     return peer_budgets_.of(peer, cap_bytes_s_);
@@ -87,6 +90,7 @@ class GrpcService final
   const AssetStore& assets_;
   const TokenStore* const tokens_;
   PeerBudgets peer_budgets_;
+  ClientStore store_;
   double cap_bytes_s_ = std::numeric_limits<double>::infinity();
   std::atomic<AnalysisControl*> analysis_ = nullptr;
   std::atomic<RunControl*> run_ = nullptr;

@@ -17,9 +17,9 @@ constexpr const char* kBrowserToken = "browser";
 
 class PacedFetch final : public WebFetch {
  public:
-  PacedFetch(std::shared_ptr<const AssetBytes> asset, std::shared_ptr<SendBudget> budget,
-             std::shared_ptr<ClientSession> session)
-      : asset_(std::move(asset)), budget_(std::move(budget)), session_(std::move(session)) {}
+  PacedFetch(const AssetStore& assets, std::shared_ptr<const AssetBytes> asset,
+             std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session)
+      : assets_(assets), asset_(std::move(asset)), budget_(std::move(budget)), session_(std::move(session)) {}
   ~PacedFetch() override { budget_->leave(this); }
 
   std::span<const std::byte> bytes() const override { return asset_->bytes; }
@@ -27,10 +27,12 @@ class PacedFetch final : public WebFetch {
     const int64_t now = now_ns();
     if (session_) session_->fetches(now);
     const SendBudget::Turn turn = budget_->take_turn(this, max_bytes, now);
+    assets_.count_sent(turn.bytes);
     return {turn.bytes, turn.wait_ns};
   }
 
  private:
+  const AssetStore& assets_;
   const std::shared_ptr<const AssetBytes> asset_;
   const std::shared_ptr<SendBudget> budget_;
   const std::shared_ptr<ClientSession> session_;
@@ -75,7 +77,7 @@ std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::st
     if (!who || !own || own->who.authorization.token_id != who->token_id) own = nullptr;
   }
   auto budget = own ? own->budget : service_.peer_budget("web:");
-  return std::make_unique<PacedFetch>(std::move(asset), std::move(budget), std::move(own));
+  return std::make_unique<PacedFetch>(assets_, std::move(asset), std::move(budget), std::move(own));
 }
 
 Result<std::string> WebCalls::pair(std::string_view code) {

@@ -12,7 +12,7 @@
 #include <regex>
 #include <utility>
 
-#include "server/analysis/model/chat/test_model_server.h"
+#include "test_http_server.h"
 
 namespace livegs {
 namespace {
@@ -55,7 +55,7 @@ std::string answer_to(const std::string& request) {
 int serve_made_up_answers(std::chrono::milliseconds delay) {
   Reply models;
   models.body = json{{"object", "list"}, {"data", {{{"id", "made-up-1"}, {"object", "model"}}}}}.dump();
-  TestModelServer server(
+  TestHttpServer server(
       [delay](const SeenRequest& request, int) {
         const std::string answer = answer_to(request.body);
         Reply reply;

@@ -90,7 +90,7 @@ TEST(AnalyzeReplay, ReplayGivesTheSameBytesOffline) {
 
   Said live;
   {
-    TestModelServer server(made_up_answer);
+    TestHttpServer server(made_up_answer);
     live = analyze(scratch / "live",
                    {"--endpoint", server.base_url(), "--model", "made-up", "--record-answers", answers});
     EXPECT_EQ(server.posts().size(), 3u);  // including one retry
@@ -142,7 +142,7 @@ TEST(AnalyzeReplay, ObjectsThatShareAnAssetHaveOwnAnswers) {
   };
   const std::string answers = scratch / "answers";
   {
-    TestModelServer server([](const SeenRequest& request, int index) {
+    TestHttpServer server([](const SeenRequest& request, int index) {
       const bool two = asks_about(request, "cup two");
       Json answer = Json::parse(
           body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]["content"]
@@ -191,7 +191,7 @@ TEST(AnalyzeReplay, SavesEachAnswerOnArrival) {
       write_asset(scratch.path() / "cup.ply", mesh_asset(sphere_mesh(0.05, 3), {0.8f, 0.7f, 0.6f}, 2000)));
   ASSERT_TRUE(write_asset(scratch.path() / "duck.ply",
                           mesh_asset(box_mesh({0.1, 0.08, 0.1}), {0.9f, 0.8f, 0.1f}, 2000)));
-  TestModelServer server([](const SeenRequest& request, int index) {
+  TestHttpServer server([](const SeenRequest& request, int index) {
     Reply reply = made_up_answer(request, index);
     reply.hang = asks_about(request, "duck");
     if (reply.hang) reply.cut_after = 0;
@@ -230,7 +230,7 @@ TEST(AnalyzeReplay, OddAnswersDoNotCorruptTheScene) {
     return std::move(*scene);
   };
   const double offline_kg = loaded().find("cup obeys")->mass_kg;
-  TestModelServer server([](const SeenRequest& request, int index) {
+  TestHttpServer server([](const SeenRequest& request, int index) {
     const auto of = [&](const char* name) { return asks_about(request, std::string("cup ") + name); };
     Json answer = Json::parse(
         body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]["content"]
@@ -294,7 +294,7 @@ TEST(AnalyzeReplay, ProposalsAreAcceptedAndUndone) {
   ASSERT_TRUE(write_asset(scratch / "cup.ply", mesh_asset(sphere_mesh(0.05, 3), {0.8f, 0.7f, 0.6f}, 2000)));
   ASSERT_TRUE(
       write_asset(scratch / "duck.ply", mesh_asset(box_mesh({0.1, 0.08, 0.1}), {0.9f, 0.8f, 0.1f}, 2000)));
-  TestModelServer server([](const SeenRequest& request, int index) {
+  TestHttpServer server([](const SeenRequest& request, int index) {
     Json answer = Json::parse(
         body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]["content"]
             .get<std::string>());
@@ -359,7 +359,7 @@ TEST(AnalyzeReplay, NamesAreEscapedInPagesAndOutput) {
                std::to_string(x_m += 0.3) + R"(, 0.05, 0] } })";
   }
   scratch.write("two.scene.json", R"({ "objects": [ )" + objects + " ] }");
-  TestModelServer server(made_up_answer);
+  TestHttpServer server(made_up_answer);
   Program program({LIVEGS_TOOL, "analyze", scratch / "two.scene.json", "--write", "--explain",
                    scratch / "pages", "--endpoint", server.base_url(), "--model", "made-up"});
   EXPECT_EQ(program.wait(), 0) << program.err();

@@ -18,36 +18,12 @@
 #include <thread>
 
 #include "system/programs/programs_fixture.h"
+#include "system/support/read_metrics.h"
 
 namespace livegs {
 namespace {
 
 constexpr int kPatience_ms = 60'000;
-
-// The metrics at http://127.0.0.1:PORT/metrics, by "name{labels}".
-std::map<std::string, double> metrics_at(int port) {
-  const int connection = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(static_cast<uint16_t>(port));
-  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  EXPECT_EQ(::connect(connection, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
-  const std::string request = "GET /metrics HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n";
-  EXPECT_EQ(::send(connection, request.data(), request.size(), MSG_NOSIGNAL),
-            static_cast<ssize_t>(request.size()));
-  std::string text;
-  char piece[4096];
-  for (ssize_t got = 0; (got = ::recv(connection, piece, sizeof piece, 0)) > 0;) text.append(piece, got);
-  ::close(connection);
-  std::map<std::string, double> values;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const size_t space = line.rfind(' ');
-    if ((line.starts_with("livegs_") || line.starts_with("process_")) && space != std::string::npos)
-      values[line.substr(0, space)] = std::stod(line.substr(space));
-  }
-  return values;
-}
 
 TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   Program server(server_words({"--metrics", "0", "--log-format", "json"}));

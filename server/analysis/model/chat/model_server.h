@@ -11,11 +11,11 @@
 #include <utility>
 
 #include "analysis/model/chat/chat_reply.h"
-#include "analysis/model/chat/http_client.h"
 #include "analysis/model/chat/request_limits.h"
 #include "analysis/model/chat/transcript.h"
 #include "analysis/model/model_endpoint.h"
 #include "core/token_bucket.h"
+#include "store/http_client.h"
 
 namespace livegs {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "analysis/model/secret.h"
 #include "analysis/text/json_text.h"
+#include "store/secret.h"
 
 namespace livegs {
 

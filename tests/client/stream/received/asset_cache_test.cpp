@@ -137,6 +137,38 @@ TEST(AssetCache, ReportsDrawablePartsDuringTransfer) {
   EXPECT_LE(whole->fetched_bytes, source.bytes.size() - most);
 }
 
+// A store that fails, ends early, or has other bytes: the server completes the transfer.
+TEST(AssetCache, FetchesFromTheServerWhatAStoreDoesNotGive) {
+  Source source(100), other(300);
+  ASSERT_NE(other.bytes.size(), source.bytes.size());
+  const std::map<std::string, AssetCache::Fetch> stores{
+      {"refuses", [](uint64_t, const TakeChunk&) { return Result<void>(not_found("status 404")); }},
+      {"fails after 3000 bytes", source.fetch(3000)},
+      {"another asset", other.fetch()},
+      {"ends without a byte", [](uint64_t, const TakeChunk&) { return Result<void>(); }}};
+  for (const auto& [name, store] : stores) {
+    const ScratchFolder folder;
+    const AssetCache cache(folder / "cache");
+    std::vector<uint64_t> asked;
+    const auto server = [&](uint64_t offset, const TakeChunk& take) {
+      asked.push_back(offset);
+      return source.fetch()(offset, take);
+    };
+    const std::vector<AssetCache::Fetch> sources{store, server};
+    const auto whole = cache.obtain(source.hash, source.bytes.size(), sources);
+    ASSERT_TRUE(whole) << name << ": " << whole.error().message;
+    EXPECT_EQ(whole->bytes, source.ply) << name;
+    if (name.starts_with("fails")) EXPECT_EQ(asked, std::vector<uint64_t>{3000});
+  }
+  const ScratchFolder folder;
+  const AssetCache cache(folder / "cache");
+  const std::vector<AssetCache::Fetch> sources{source.fetch(), [](uint64_t, const TakeChunk&) {
+                                                 ADD_FAILURE() << "the server is asked";
+                                                 return Result<void>();
+                                               }};
+  EXPECT_TRUE(cache.obtain(source.hash, source.bytes.size(), sources));
+}
+
 TEST(AssetCache, RefusesExcessBytes) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");

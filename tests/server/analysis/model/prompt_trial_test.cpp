@@ -51,7 +51,7 @@ Result<std::vector<TargetView>> look(uint32_t object_id, int, std::stop_token) {
 
 // Synthetic model: returns the true mass if the system text contains "care", an unordered range for "haste",
 // and the estimate from the prompt otherwise.
-TestModelServer::Handler made_up_model(const std::vector<JudgedObject>& objects) {
+TestHttpServer::Handler made_up_model(const std::vector<JudgedObject>& objects) {
   return [&objects](const SeenRequest& request, int) {
     const auto asks_for = [&](const char* word) { return request.body.find(word) != std::string::npos; };
     for (const JudgedObject& object : objects) {
@@ -89,7 +89,7 @@ fs::path changed_prompts(const ScratchFolder& scratch, const std::string& name, 
   return folder;
 }
 
-std::unique_ptr<ModelEndpoint> open(const TestModelServer* server, const fs::path& answers,
+std::unique_ptr<ModelEndpoint> open(const TestHttpServer* server, const fs::path& answers,
                                     const fs::path& prompts) {
   std::unique_ptr<ModelEndpoint> live;
   if (server) {
@@ -115,14 +115,14 @@ TEST(PromptTrial, FindsTheBetterPromptsLiveAndInReplay) {
   const auto objects = things();
   const fs::path careful = changed_prompts(scratch, "careful", "Take care.");
   const fs::path hasty = changed_prompts(scratch, "hasty", "Make haste.");
-  const auto trial = [&](const TestModelServer* server, const fs::path& prompts) {
+  const auto trial = [&](const TestHttpServer* server, const fs::path& prompts) {
     auto done = try_prompts(objects, *open(server, scratch / "answers", prompts), look);
     EXPECT_TRUE(done) << done.error().message;
     return done ? *done : PromptTrial{};
   };
   PromptTrial plain, better, refused;
   {
-    TestModelServer server(made_up_model(objects));
+    TestHttpServer server(made_up_model(objects));
     plain = trial(&server, kPrompts);
     better = trial(&server, careful);
     refused = trial(&server, hasty);

@@ -35,7 +35,7 @@ void expect_same(const RawAnswer& a, const RawAnswer& b) {
 
 TEST(RecordedEndpoint, ReplaysBitwiseWithoutRequests) {
   const ScratchFolder scratch;
-  TestModelServer server(openai_server());
+  TestHttpServer server(openai_server());
   RawAnswer asked, repaired;
   {
     EndpointSettings settings = test_settings(server.base_url());
@@ -92,7 +92,7 @@ TEST(RecordedEndpoint, UnrecordedQuestionIsAnError) {
 
 TEST(RecordedEndpoint, AnyChangeOfTheQuestionChangesItsKey) {
   const ScratchFolder scratch;
-  TestModelServer server(in_turn({says(sound_answer())}));
+  TestHttpServer server(in_turn({says(sound_answer())}));
   auto live = open_model_endpoint(test_settings(server.base_url()));
   ASSERT_TRUE(live);
   auto recorder = open_recorded_endpoint(scratch / "answers", std::move(*live));
@@ -121,7 +121,7 @@ TEST(RecordedEndpoint, AnyChangeOfTheQuestionChangesItsKey) {
 
 TEST(RecordedEndpoint, DamagedRecordingIsAnError) {
   const ScratchFolder scratch;
-  TestModelServer server(in_turn({says(sound_answer())}));
+  TestHttpServer server(in_turn({says(sound_answer())}));
   auto live = open_model_endpoint(test_settings(server.base_url()));
   auto recorder = open_recorded_endpoint(scratch / "answers", std::move(*live));
   ASSERT_TRUE(recorder);

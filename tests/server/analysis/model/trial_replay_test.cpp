@@ -33,7 +33,7 @@ AnalysisUpdate analyse_trial(const TrialAnswer& one, const Reply& reply) {
   target.object_id = 1;
   target.facts = std::make_shared<const ObjectFacts>(facts);
   target.offline = estimate_offline(facts);
-  TestModelServer server(in_turn({reply}));
+  TestHttpServer server(in_turn({reply}));
   EndpointSettings settings = test_settings(server.base_url());
   settings.tools = false;
   auto endpoint = open_model_endpoint(std::move(settings));

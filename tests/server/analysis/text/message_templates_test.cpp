@@ -197,7 +197,7 @@ TEST(MessageTemplates, FolderTextsAreSentAndChangeTheVersion) {
   scratch.write("prompts/tool_words.json", with_line("tool_words.json", "no_row", "NO ROW"));
   nlohmann::json wrong = mug_answer();
   wrong["mass_g"]["low"] = 1000;
-  TestModelServer server(in_turn(
+  TestHttpServer server(in_turn(
       {calls({{"kb_get", R"({"id":"unobtainium"})"}}), says(wrong.dump()), says(mug_answer().dump())}));
   EndpointSettings settings = test_settings(server.base_url());
   settings.prompt_folder = scratch / "prompts";

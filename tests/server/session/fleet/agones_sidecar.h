@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/clock.h"
-#include "server/analysis/model/chat/test_model_server.h"
+#include "test_http_server.h"
 
 namespace livegs {
 
@@ -120,7 +120,7 @@ class AgonesSidecar {
   std::vector<Call> calls_;
   std::string state_ = "Scheduled", annotations_;
   std::map<std::string, int> refused_;
-  TestModelServer server_;  // last: its threads use everything above
+  TestHttpServer server_;  // last: its threads use everything above
 };
 
 }  // namespace livegs

@@ -14,9 +14,9 @@
 #include "analysis/model/chat/endpoint_quirks.h"
 #include "analysis/model/chat/request_limits.h"
 #include "analysis/model/chat/sse_parser.h"
-#include "analysis/model/secret.h"
 #include "analysis/model/tool_box.h"
 #include "server/analysis/model/chat/model_endpoint_cases.h"
+#include "store/secret.h"
 
 namespace livegs {
 namespace {

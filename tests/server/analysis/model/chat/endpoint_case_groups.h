@@ -71,12 +71,12 @@ inline std::string tool_result(const Posts& posts, std::size_t call = 0) {
   return "";
 }
 
-inline TestModelServer::Handler one_call(const std::string& name, const std::string& arguments) {
+inline TestHttpServer::Handler one_call(const std::string& name, const std::string& arguments) {
   return in_turn({calls({{name, arguments}}), says(sound_answer())});
 }
 
 // Responds with a 400 about `param` while the request contains it.
-inline TestModelServer::Handler refuses(const std::string& key, const Json& error, int status = 400) {
+inline TestHttpServer::Handler refuses(const std::string& key, const Json& error, int status = 400) {
   return [=](const SeenRequest& request, int) {
     return body_of(request).contains(key) ? fails(status, error) : says(sound_answer());
   };

@@ -83,7 +83,7 @@ std::vector<std::string> streamed_answer(const std::string& content) {
   return events;
 }
 
-TestModelServer::Handler in_turn(std::vector<Reply> replies) {
+TestHttpServer::Handler in_turn(std::vector<Reply> replies) {
   return [replies = std::move(replies)](const SeenRequest&, int index) {
     return replies[std::min(static_cast<std::size_t>(index), replies.size() - 1)];
   };
@@ -104,7 +104,7 @@ Reply answer_or_call(const Json& body) {
 
 }  // namespace
 
-TestModelServer::Handler openai_server() {
+TestHttpServer::Handler openai_server() {
   return [](const SeenRequest& request, int) {
     const Json body = body_of(request);
     if (request.head.find(std::string("Authorization: Bearer ") + kTestKey) == std::string::npos) {
@@ -127,7 +127,7 @@ TestModelServer::Handler openai_server() {
   };
 }
 
-TestModelServer::Handler vllm_server() {
+TestHttpServer::Handler vllm_server() {
   return [](const SeenRequest& request, int) {
     const Json body = body_of(request);
     if (body.contains("tools") && body.value("tool_choice", "") == "auto") {
@@ -142,7 +142,7 @@ TestModelServer::Handler vllm_server() {
   };
 }
 
-TestModelServer::Handler llama_cpp_server() {
+TestHttpServer::Handler llama_cpp_server() {
   return [](const SeenRequest& request, int index) {
     const Json body = body_of(request);
     if (index == 0)
@@ -155,7 +155,7 @@ TestModelServer::Handler llama_cpp_server() {
   };
 }
 
-TestModelServer::Handler ollama_server() {
+TestHttpServer::Handler ollama_server() {
   return [](const SeenRequest& request, int) {
     const Json body = body_of(request);
     if (body.contains("tools")) {
@@ -172,7 +172,7 @@ TestModelServer::Handler ollama_server() {
   };
 }
 
-TestModelServer::Handler plain_server() {
+TestHttpServer::Handler plain_server() {
   return [](const SeenRequest& request, int) {
     const Json body = body_of(request);
     for (const auto& [key, value] : body.items()) {

@@ -7,7 +7,7 @@
 
 #include "analysis/model/model_endpoint.h"
 #include "analysis/text/json_text.h"
-#include "server/analysis/model/chat/test_model_server.h"
+#include "test_http_server.h"
 
 // Table of server behaviours and the expected results in the client.
 
@@ -29,15 +29,15 @@ Json body_of(const SeenRequest& request);
 std::string last_text(const SeenRequest& request);  // of the last message
 
 // Servers of the four dialects and plain text, each with its refusals.
-TestModelServer::Handler openai_server();
-TestModelServer::Handler vllm_server();
-TestModelServer::Handler llama_cpp_server();
-TestModelServer::Handler ollama_server();
-TestModelServer::Handler plain_server();
+TestHttpServer::Handler openai_server();
+TestHttpServer::Handler vllm_server();
+TestHttpServer::Handler llama_cpp_server();
+TestHttpServer::Handler ollama_server();
+TestHttpServer::Handler plain_server();
 
 struct EndpointCase {
   std::string name;
-  TestModelServer::Handler server;
+  TestHttpServer::Handler server;
   std::string error;  // expected part of the error message; empty: an answer is expected
   int posts = -1;     // expected number of requests; -1: any
   std::function<void(EndpointSettings&)> settings = {};
@@ -50,6 +50,6 @@ const std::vector<EndpointCase>& endpoint_cases();
 EndpointSettings test_settings(const std::string& base_url);
 
 // Sends the replies in order and repeats the last one.
-TestModelServer::Handler in_turn(std::vector<Reply> replies);
+TestHttpServer::Handler in_turn(std::vector<Reply> replies);
 
 }  // namespace livegs

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "analysis/model/secret.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "store/secret.h"
 
 #include <string.h>
 #include <sys/mman.h>

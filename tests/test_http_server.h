@@ -37,17 +37,21 @@ inline Reply not_found_reply() {
 
 // HTTP server on 127.0.0.1 with one thread per connection, for scripted responses. A reply ends its
 // connection unless keep_alive is set.
-class TestModelServer {
+class TestHttpServer {
  public:
   // Called for every POST with the number of earlier POSTs; calls are serialised.
   using Handler = std::function<Reply(const SeenRequest& request, int index)>;
-  explicit TestModelServer(Handler handler, Reply models = not_found_reply());
+  explicit TestHttpServer(Handler handler, Reply models = not_found_reply());
   // Any other service: the handler is called for every request, whatever its method, with the number of
   // earlier ones. `port`: 0 lets the system choose.
-  TestModelServer(Handler handler, int port);
-  ~TestModelServer();
+  TestHttpServer(Handler handler, int port);
+  // `others`: called for every other request, concurrently.
+  using OtherHandler = std::function<Reply(const SeenRequest& request)>;
+  explicit TestHttpServer(OtherHandler others);
+  ~TestHttpServer();
 
   std::string base_url() const;  // with /v1
+  std::string origin() const;    // "http://127.0.0.1:PORT"
   int port() const;
   std::vector<SeenRequest> posts() const;
   void wait_for_posts(std::size_t count) const;  // blocks until `count` POSTs have arrived
@@ -57,7 +61,7 @@ class TestModelServer {
   int most_at_once() const;                   // POSTs in progress
 
  private:
-  void listen(int port);
+  void start(int port);
   struct State;
   std::unique_ptr<State> state_;
 };

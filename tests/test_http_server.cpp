@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/analysis/model/chat/test_model_server.h"
+#include "test_http_server.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -16,10 +16,11 @@
 
 namespace livegs {
 
-struct TestModelServer::State {
+struct TestHttpServer::State {
   Handler handler;
   Reply models;
   bool handles_all = false;
+  OtherHandler others;
   int listener = -1, port = 0;
   mutable std::mutex mutex;  // guards the members below
   mutable std::condition_variable changed;
@@ -67,7 +68,7 @@ struct TestModelServer::State {
     return true;
   }
 
-  void answer(int socket, const Reply& reply) {
+  void answer(int socket, const Reply& reply, bool head_only = false) {
     if (!reply.raw.empty()) {
       send_all(socket, reply.raw);
       return;
@@ -83,7 +84,7 @@ struct TestModelServer::State {
       pause(60000);
       return;
     }
-    if (!send_all(socket, head + "\r\n")) return;
+    if (!send_all(socket, head + "\r\n") || head_only) return;
     const std::string_view body = std::string_view(reply.body).substr(0, reply.cut_after);
     const int no_delay = 1;  // one packet per write
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &no_delay, sizeof no_delay);
@@ -120,6 +121,11 @@ struct TestModelServer::State {
         }
         if (going) answer(socket, reply);
         more = going && reply.keep_alive && !reply.hang;
+      } else if (others) {
+        const Reply reply = others(request);
+        if (reply.delay_ms > 0 && !pause(reply.delay_ms)) break;
+        answer(socket, reply, request.method == "HEAD");
+        more = reply.keep_alive && !reply.hang && reply.cut_after == std::string::npos;
       } else {
         answer(socket, models);
         more = models.keep_alive;
@@ -146,19 +152,25 @@ struct TestModelServer::State {
   }
 };
 
-TestModelServer::TestModelServer(Handler handler, Reply models) : state_(std::make_unique<State>()) {
+TestHttpServer::TestHttpServer(Handler handler, Reply models) : state_(std::make_unique<State>()) {
   state_->handler = std::move(handler);
   state_->models = std::move(models);
-  listen(0);
+  start(0);
 }
 
-TestModelServer::TestModelServer(Handler handler, int port) : state_(std::make_unique<State>()) {
+TestHttpServer::TestHttpServer(Handler handler, int port) : state_(std::make_unique<State>()) {
   state_->handler = std::move(handler);
   state_->handles_all = true;
-  listen(port);
+  start(port);
 }
 
-void TestModelServer::listen(int port) {
+TestHttpServer::TestHttpServer(OtherHandler others) : state_(std::make_unique<State>()) {
+  state_->handler = [](const SeenRequest&, int) { return not_found_reply(); };
+  state_->others = std::move(others);
+  start(0);
+}
+
+void TestHttpServer::start(int port) {
   state_->listener = ::socket(AF_INET, SOCK_STREAM, 0);
   const int again = 1;
   ::setsockopt(state_->listener, SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
@@ -174,7 +186,7 @@ void TestModelServer::listen(int port) {
   state_->acceptor = std::thread([state = state_.get()] { state->accept_all(); });
 }
 
-TestModelServer::~TestModelServer() {
+TestHttpServer::~TestHttpServer() {
   {
     std::lock_guard lock(state_->mutex);
     state_->stopping = true;
@@ -187,35 +199,35 @@ TestModelServer::~TestModelServer() {
   for (std::thread& connection : state_->connections) connection.join();
 }
 
-std::string TestModelServer::base_url() const {
-  return "http://127.0.0.1:" + std::to_string(state_->port) + "/v1";
-}
+std::string TestHttpServer::base_url() const { return origin() + "/v1"; }
 
-int TestModelServer::port() const { return state_->port; }
+std::string TestHttpServer::origin() const { return "http://127.0.0.1:" + std::to_string(state_->port); }
 
-std::vector<SeenRequest> TestModelServer::posts() const {
+int TestHttpServer::port() const { return state_->port; }
+
+std::vector<SeenRequest> TestHttpServer::posts() const {
   std::lock_guard lock(state_->mutex);
   return state_->posts;
 }
 
-void TestModelServer::wait_for_posts(std::size_t count) const {
+void TestHttpServer::wait_for_posts(std::size_t count) const {
   std::unique_lock lock(state_->mutex);
   state_->changed.wait(lock, [&] { return state_->posts.size() >= count; });
 }
 
-bool TestModelServer::wait_for_posts(std::size_t count, double seconds) const {
+bool TestHttpServer::wait_for_posts(std::size_t count, double seconds) const {
   std::unique_lock lock(state_->mutex);
   return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
     return state_->stopping || state_->posts.size() >= count;
   }) && state_->posts.size() >= count;
 }
 
-int TestModelServer::connections() const {
+int TestHttpServer::connections() const {
   std::lock_guard lock(state_->mutex);
   return static_cast<int>(state_->connections.size());
 }
 
-int TestModelServer::most_at_once() const {
+int TestHttpServer::most_at_once() const {
   std::lock_guard lock(state_->mutex);
   return state_->most_at_once;
 }

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "analysis/model/chat/http_client.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "store/http_client.h"
 
 #include <curl/curl.h>
 #include <string.h>
@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <cstdio>
+#include <cstring>
 #include <mutex>
 #include <thread>
 
 #include "core/assert.h"
 #include "core/clock.h"
+#include "core/content_hash.h"
 
 namespace livegs {
 namespace {
@@ -27,23 +30,81 @@ struct Transfer {
   HttpReply reply;
   CURL* easy = nullptr;
   curl_slist* headers = nullptr;
-  std::int64_t begin_ns = 0, last_byte_ns = 0;
-  bool any_byte = false, too_large = false, satisfied = false;
+  std::int64_t last_byte_ns = 0;             // received or sent; at first the begin
+  std::uint64_t received = 0;                // bytes of a successful body
+  std::optional<std::uint64_t> range_begin;  // of a reply of status 206
+  std::size_t put_bytes = 0;                 // sent of HttpRequest::put
+  bool any_byte = false, too_large = false, satisfied = false, bad_range = false;
   std::atomic<bool> cancelled = false;
   bool done = false;  // guarded by the worker's mutex
 };
+
+// Reads "bytes 100-199/200", also with * in place of the range or the total.
+void read_content_range(std::string_view text, Transfer& transfer) {
+  unsigned long long begin = 0, total = 0;
+  const std::string line(text);
+  if (std::sscanf(line.c_str(), "bytes %llu-", &begin) == 1) transfer.range_begin = begin;
+  const std::size_t slash = line.find('/');
+  if (slash != std::string::npos && std::sscanf(line.c_str() + slash, "/%llu", &total) == 1)
+    transfer.reply.total_bytes = total;
+}
+
+long read_status(Transfer& transfer) {
+  long status = 0;
+  curl_easy_getinfo(transfer.easy, CURLINFO_RESPONSE_CODE, &status);
+  return status;
+}
+
+// Reads the size and place of the body from the header.
+void read_place(Transfer& transfer) {
+  const long status = read_status(transfer);
+  curl_header* header = nullptr;
+  curl_off_t length = -1;
+  if (status == 206 || status == 416) {
+    if (curl_easy_header(transfer.easy, "Content-Range", 0, CURLH_HEADER, -1, &header) == CURLHE_OK)
+      read_content_range(header->value, transfer);
+  } else if (status == 200 &&
+             curl_easy_getinfo(transfer.easy, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &length) == CURLE_OK &&
+             length >= 0) {
+    transfer.reply.total_bytes = static_cast<std::uint64_t>(length);
+  }
+}
+
+std::size_t receive_part(std::string_view bytes, long status, Transfer& transfer) {
+  if (transfer.received == 0) read_place(transfer);
+  if (status == 206 && !transfer.range_begin) {
+    transfer.bad_range = true;
+    return CURL_WRITEFUNC_ERROR;
+  }
+  const std::uint64_t offset = (status == 206 ? *transfer.range_begin : 0) + transfer.received;
+  transfer.received += bytes.size();
+  if (transfer.request->on_part({offset, transfer.reply.total_bytes, bytes})) return bytes.size();
+  transfer.satisfied = true;
+  return CURL_WRITEFUNC_ERROR;
+}
+
+std::size_t send_put(char* bytes, std::size_t, std::size_t most, void* user) {
+  auto& transfer = *static_cast<Transfer*>(user);
+  const auto rest = transfer.request->put->subspan(transfer.put_bytes);
+  const std::size_t count = std::min(most, rest.size());
+  if (count > 0) std::memcpy(bytes, rest.data(), count);
+  transfer.put_bytes += count;
+  transfer.last_byte_ns = now_ns();
+  return count;
+}
 
 std::size_t receive_body(char* bytes, std::size_t, std::size_t count, void* user) {
   auto& transfer = *static_cast<Transfer*>(user);
   transfer.any_byte = true;
   transfer.last_byte_ns = now_ns();
+  const long status = read_status(transfer);
+  if (transfer.request->on_part && (status == 200 || status == 206))
+    return receive_part({bytes, count}, status, transfer);
   if (transfer.reply.body.size() + count > transfer.request->max_bytes) {
     transfer.too_large = true;
     return CURL_WRITEFUNC_ERROR;
   }
   transfer.reply.body.append(bytes, count);
-  long status = 0;
-  curl_easy_getinfo(transfer.easy, CURLINFO_RESPONSE_CODE, &status);
   if (status == 200 && transfer.request->on_body && !transfer.request->on_body({bytes, count})) {
     transfer.satisfied = true;
     return CURL_WRITEFUNC_ERROR;
@@ -57,13 +118,35 @@ void wipe_headers(curl_slist* headers) {
   curl_slist_free_all(headers);
 }
 
+// libcurl signs the method, the path and these headers. It copies the keys until the request ends.
+void sign(Transfer& transfer, const AwsKeys& keys) {
+  const auto add = [&](const std::string& line) {
+    transfer.headers = curl_slist_append(transfer.headers, line.c_str());
+  };
+  const auto* put = transfer.request->put;
+  add("x-amz-content-sha256: " + content_hash(put ? *put : std::span<const std::byte>()));
+  if (!keys.session_token.empty()) {
+    std::string line = "x-amz-security-token: ";
+    line.reserve(line.size() + keys.session_token.reveal().size() + 1);
+    add(line += keys.session_token.reveal());
+    wipe(line);
+  }
+  std::string pair = keys.access_key + ":";
+  pair.reserve(pair.size() + keys.secret_key.reveal().size() + 1);
+  pair += keys.secret_key.reveal();
+  curl_easy_setopt(transfer.easy, CURLOPT_USERPWD, pair.c_str());
+  wipe(pair);
+  curl_easy_setopt(transfer.easy, CURLOPT_AWS_SIGV4, ("aws:amz:" + keys.region + ":s3").c_str());
+}
+
 void prepare(Transfer& transfer) {
   const HttpRequest& request = *transfer.request;
   CURL* easy = transfer.easy = curl_easy_init();
   LIVEGS_ASSERT(easy);
   const auto add = [&](const char* line) { transfer.headers = curl_slist_append(transfer.headers, line); };
   add("Expect:");  // sends the body at once instead of after a 100 Continue
-  add(request.event_stream ? "Accept: text/event-stream, application/json" : "Accept: application/json");
+  if (request.event_stream || !(request.on_part || request.put || request.head))
+    add(request.event_stream ? "Accept: text/event-stream, application/json" : "Accept: application/json");
   if (!request.body.empty()) add("Content-Type: application/json");
   if (request.bearer && !request.bearer->empty()) {
     std::string line = "Authorization: Bearer ";
@@ -73,6 +156,8 @@ void prepare(Transfer& transfer) {
     add(line.c_str());
     wipe(line);
   }
+  if (request.put) add("Content-Type: application/octet-stream");
+  if (request.sign) sign(transfer, *request.sign);
   curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
   curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers);
   if (!request.body.empty()) {
@@ -81,6 +166,15 @@ void prepare(Transfer& transfer) {
     curl_easy_setopt(easy, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));
   }
   if (!request.method.empty()) curl_easy_setopt(easy, CURLOPT_CUSTOMREQUEST, request.method.c_str());
+  if (request.head) curl_easy_setopt(easy, CURLOPT_NOBODY, 1L);
+  if (request.put) {
+    curl_easy_setopt(easy, CURLOPT_UPLOAD, 1L);
+    curl_easy_setopt(easy, CURLOPT_READFUNCTION, send_put);
+    curl_easy_setopt(easy, CURLOPT_READDATA, &transfer);
+    curl_easy_setopt(easy, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(request.put->size()));
+  }
+  if (request.from > 0)
+    curl_easy_setopt(easy, CURLOPT_RANGE, (std::to_string(request.from) + "-").c_str());  // copied
   curl_easy_setopt(easy, CURLOPT_USERAGENT, "LiveGS");
   curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
   curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
@@ -89,7 +183,8 @@ void prepare(Transfer& transfer) {
   curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
   curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // a cancelled transfer does not wait for name resolution
   curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, ms_from_seconds(request.connect_timeout_s));
-  curl_easy_setopt(easy, CURLOPT_TIMEOUT_MS, ms_from_seconds(request.total_timeout_s));
+  if (request.total_timeout_s > 0)
+    curl_easy_setopt(easy, CURLOPT_TIMEOUT_MS, ms_from_seconds(request.total_timeout_s));
   if (is_loopback_url(request.url)) curl_easy_setopt(easy, CURLOPT_PROXY, "");
   curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, receive_body);
   curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
@@ -114,6 +209,7 @@ void read_end(Transfer& transfer, CURLcode code) {
   if (curl_easy_getinfo(easy, CURLINFO_RETRY_AFTER, &retry_after) == CURLE_OK && retry_after > 0) {
     transfer.reply.retry_after_s = static_cast<double>(retry_after);
   }
+  read_place(transfer);
   // A reused connection has a connect time of 0; the send time shows that it exists.
   curl_off_t connect_us = 0, send_us = 0;
   curl_easy_getinfo(easy, CURLINFO_CONNECT_TIME_T, &connect_us);
@@ -125,6 +221,7 @@ void read_end(Transfer& transfer, CURLcode code) {
       return;
     case CURLE_WRITE_ERROR:
       if (transfer.satisfied) return;
+      if (transfer.bad_range) return set_end(transfer, End::Cut, "the reply has no valid Content-Range");
       if (transfer.too_large) {
         return set_end(transfer, End::TooLarge,
                        "the reply is larger than " + std::to_string(transfer.request->max_bytes) + " bytes");
@@ -189,7 +286,7 @@ void HttpClient::Worker::take_new() {
     fresh.swap(arrivals);
   }
   for (Transfer* transfer : fresh) {
-    transfer->begin_ns = transfer->last_byte_ns = now_ns();
+    transfer->last_byte_ns = now_ns();
     prepare(*transfer);
     curl_multi_add_handle(multi, transfer->easy);
     active.push_back(transfer);
@@ -220,7 +317,7 @@ int HttpClient::Worker::check_limits() {
       set_end(*transfer, End::Cancelled, "cancelled");
       finish(*transfer);
     } else if (!transfer->any_byte && request.first_byte_timeout_s > 0 &&
-               passed(transfer->begin_ns + ns_from_seconds(request.first_byte_timeout_s))) {
+               passed(transfer->last_byte_ns + ns_from_seconds(request.first_byte_timeout_s))) {
       set_end(*transfer, End::Late, "no first byte in time");
       finish(*transfer);
     } else if (transfer->any_byte && request.stall_timeout_s > 0 &&

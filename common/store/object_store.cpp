@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "store/object_store.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "core/clock.h"
+#include "core/content_hash.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "store/http_client.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kFilePieceBytes = 1 << 20;
+// Pause before a failed request is repeated; doubled each time.
+constexpr double kFirstPause_s = 0.1, kMaxPause_s = 2;
+
+std::string without_trailing_slashes(std::string text) {
+  while (text.size() > 1 && text.back() == '/' && !text.ends_with("://")) text.pop_back();
+  return text;
+}
+
+class FolderStore final : public ObjectStore {
+ public:
+  explicit FolderStore(fs::path folder) : ObjectStore(folder.string()), folder_(std::move(folder)) {}
+
+  Result<void> read(const std::string& name, std::uint64_t offset, const Take& take,
+                    std::stop_token stop) override {
+    const fs::path path = folder_ / name;
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) return not_found(shown(name) + ": does not exist");
+    std::ifstream in(path, std::ios::binary);
+    if (!in) return Error{ErrorCode::PermissionDenied, shown(name) + ": cannot be read"};
+    in.seekg(0, std::ios::end);
+    const auto total = static_cast<std::uint64_t>(in.tellg());
+    if (offset > total) return past_the_end(name, offset, total);
+    in.seekg(static_cast<std::streamoff>(offset));
+    std::vector<std::byte> piece(kFilePieceBytes);
+    while (offset < total) {
+      if (stop.stop_requested()) return stopped(name);
+      const auto count = std::min<std::uint64_t>(piece.size(), total - offset);
+      if (!in.read(reinterpret_cast<char*>(piece.data()), static_cast<std::streamsize>(count)))
+        return invalid_data(shown(name) + ": cannot be read whole");
+      if (auto taken = take(offset, std::span(piece).first(count)); !taken) return taken;
+      offset += count;
+    }
+    return {};
+  }
+
+  Result<void> put(const std::string& name, std::span<const std::byte> bytes, std::stop_token) override {
+    std::error_code error;
+    fs::create_directories((folder_ / name).parent_path(), error);
+    return write_file_atomically(folder_ / name, bytes);
+  }
+
+  Result<std::optional<std::uint64_t>> size(const std::string& name, std::stop_token) override {
+    std::error_code error;
+    if (!fs::is_regular_file(folder_ / name, error)) return std::optional<std::uint64_t>();
+    const auto bytes = fs::file_size(folder_ / name, error);
+    if (error) return Error{ErrorCode::PermissionDenied, shown(name) + ": " + error.message()};
+    return std::optional<std::uint64_t>(bytes);
+  }
+
+ private:
+  Error stopped(const std::string& name) const {
+    return {ErrorCode::Unavailable, shown(name) + ": the transfer was cancelled"};
+  }
+  Error past_the_end(const std::string& name, std::uint64_t offset, std::uint64_t total) const {
+    return invalid_data(shown(name) + ": has " + std::to_string(total) + " bytes, but byte " +
+                        std::to_string(offset) + " is wanted");
+  }
+  const fs::path folder_;
+};
+
+// Repeats a request until it succeeds, fails for good, or no byte has arrived for the patience.
+class Repetition {
+ public:
+  Repetition(const StoreTimes& times, std::stop_token stop) : times_(times), stop_(std::move(stop)) {}
+  void progress() {
+    progress_ns_ = now_ns();
+    pause_s_ = kFirstPause_s;
+  }
+  // Whether another attempt is due; waits before it.
+  bool again(std::optional<double> retry_after_s) {
+    const double pause_s = std::max(pause_s_, std::min(retry_after_s.value_or(0), times_.patience_s));
+    const std::int64_t until_ns = now_ns() + static_cast<std::int64_t>(pause_s * 1e9);
+    if (until_ns > progress_ns_ + static_cast<std::int64_t>(times_.patience_s * 1e9)) return false;
+    constexpr std::int64_t kStopPoll_ns = 20'000'000;
+    while (now_ns() < until_ns) {
+      if (stop_.stop_requested()) return false;
+      sleep_until_ns(std::min(until_ns, now_ns() + kStopPoll_ns));
+    }
+    pause_s_ = std::min(2 * pause_s_, kMaxPause_s);
+    return true;
+  }
+
+ private:
+  const StoreTimes times_;
+  const std::stop_token stop_;
+  std::int64_t progress_ns_ = now_ns();
+  double pause_s_ = kFirstPause_s;
+};
+
+class HttpStore final : public ObjectStore {
+ public:
+  HttpStore(std::string base, std::string shown, std::optional<AwsKeys> keys, const StoreTimes& times)
+      : ObjectStore(std::move(shown)), base_(std::move(base)), keys_(std::move(keys)), times_(times) {}
+
+  Result<void> read(const std::string& name, std::uint64_t offset, const Take& take,
+                    std::stop_token stop) override {
+    Repetition repetition(times_, stop);
+    std::uint64_t at = offset;
+    for (;;) {
+      HttpRequest request = to(name);
+      request.from = at;
+      std::optional<Error> refused;
+      const std::uint64_t begun_at = at;
+      request.on_part = [&](const HttpPart& part) {
+        if (part.offset > at) {
+          refused = invalid_data(shown(name) + ": the store sent bytes from " + std::to_string(part.offset) +
+                                 " on instead of " + std::to_string(at));
+          return false;
+        }
+        const std::uint64_t known = at - part.offset;  // of a server without ranges
+        if (known >= part.bytes.size()) return true;
+        repetition.progress();
+        const auto fresh = std::as_bytes(std::span(part.bytes)).subspan(known);
+        if (auto taken = take(at, fresh); !taken) {
+          refused = taken.error();
+          return false;
+        }
+        at += fresh.size();
+        return true;
+      };
+      const HttpReply reply = client_.send(request, stop);
+      if (refused) return *refused;
+      if (reply.end == HttpReply::End::Complete) {
+        if (reply.status == 416 && reply.total_bytes == at) return {};  // nothing is left
+        if (reply.status == 200 || reply.status == 206) {
+          if (!reply.total_bytes || *reply.total_bytes == at) return {};
+          if (*reply.total_bytes < at)
+            return invalid_data(shown(name) + ": has " + std::to_string(*reply.total_bytes) +
+                                " bytes, but byte " + std::to_string(at) + " is wanted");
+          if (at > begun_at) continue;  // the server limits the length of a range
+        }
+      }
+      const Error error = error_of(name, reply);
+      if (error.code != ErrorCode::Unavailable || !repetition.again(reply.retry_after_s)) return error;
+      log_debug("%s; resuming at byte %llu", error.message.c_str(), static_cast<unsigned long long>(at));
+    }
+  }
+
+  Result<void> put(const std::string& name, std::span<const std::byte> bytes, std::stop_token stop) override {
+    HttpRequest request = to(name);
+    request.put = &bytes;
+    const auto reply = repeated(name, request, stop);
+    if (!reply) return reply.error();
+    if (reply->status >= 200 && reply->status < 300) return {};
+    return error_of(name, *reply);
+  }
+
+  Result<std::optional<std::uint64_t>> size(const std::string& name, std::stop_token stop) override {
+    HttpRequest request = to(name);
+    request.head = true;
+    const auto reply = repeated(name, request, stop);
+    if (!reply) return reply.error();
+    if (reply->status == 404 || reply->status == 410) return std::optional<std::uint64_t>();
+    if (reply->status != 200) return error_of(name, *reply);
+    if (!reply->total_bytes) return invalid_data(shown(name) + ": the store does not give its size");
+    return reply->total_bytes;
+  }
+
+ private:
+  HttpRequest to(const std::string& name) const {
+    HttpRequest request;
+    request.url = base_ + "/" + name;
+    request.sign = keys_ ? &*keys_ : nullptr;
+    request.total_timeout_s = 0;
+    request.connect_timeout_s = std::min(request.connect_timeout_s, times_.patience_s);
+    request.first_byte_timeout_s = request.stall_timeout_s = times_.stall_s;
+    return request;
+  }
+
+  // The final reply of a request; an error only if there is none.
+  Result<HttpReply> repeated(const std::string& name, const HttpRequest& request, std::stop_token stop) {
+    Repetition repetition(times_, stop);
+    for (;;) {
+      HttpReply reply = client_.send(request, stop);
+      if (reply.end == HttpReply::End::Complete && reply.status >= 200 && reply.status < 300) return reply;
+      const Error error = error_of(name, reply);
+      if (error.code == ErrorCode::Unavailable && repetition.again(reply.retry_after_s)) continue;
+      if (reply.end != HttpReply::End::Complete) return error;
+      return reply;
+    }
+  }
+
+  Error error_of(const std::string& name, const HttpReply& reply) const {
+    const std::string object = shown(name) + ": ";
+    switch (reply.end) {
+      case HttpReply::End::Complete:
+        break;
+      case HttpReply::End::BadUrl:
+        return invalid_argument(object + "is not a valid address");
+      case HttpReply::End::BadTls:
+        return {ErrorCode::PermissionDenied,
+                object + "the certificate of the store is not valid: " + reply.message};
+      default:
+        return {ErrorCode::Unavailable, object + reply.message};
+    }
+    const std::string status = "the store answers with status " + std::to_string(reply.status);
+    switch (reply.status) {
+      case 404:
+      case 410:
+        return not_found(object + "does not exist in the store");
+      case 401:
+      case 403:
+        return {ErrorCode::PermissionDenied,
+                object + status + "; check the rights of the object and the keys"};
+      case 408:
+      case 429:
+        return {ErrorCode::Unavailable, object + status};
+      default:
+        if (reply.status >= 500) return {ErrorCode::Unavailable, object + status};
+        if (reply.status >= 300 && reply.status < 400)
+          return invalid_argument(object + status + ", a redirect; give the address that it leads to");
+        if (reply.status == 200 || reply.status == 206)
+          return {ErrorCode::Unavailable, object + "the reply is incomplete"};
+        return invalid_argument(object + status);
+    }
+  }
+
+  const std::string base_;
+  const std::optional<AwsKeys> keys_;
+  const StoreTimes times_;
+  HttpClient client_;
+};
+
+std::string environment(const char* name, const char* otherwise = "") {
+  const char* value = std::getenv(name);
+  return value && *value ? value : otherwise;
+}
+
+// The address of a bucket, and the keys if there are any.
+Result<std::shared_ptr<ObjectStore>> open_bucket(const std::string& place, const StoreTimes& times) {
+  const std::string rest = place.substr(std::string_view("s3://").size());
+  const std::string bucket = rest.substr(0, rest.find('/'));
+  const std::string prefix = rest.substr(bucket.size());
+  if (bucket.empty()) return invalid_argument(place + ": names no bucket; give s3://BUCKET/PREFIX");
+  std::optional<AwsKeys> keys;
+  const std::string region =
+      environment("AWS_REGION", environment("AWS_DEFAULT_REGION", "us-east-1").c_str());
+  if (const std::string access = environment("AWS_ACCESS_KEY_ID"); !access.empty()) {
+    std::string secret = environment("AWS_SECRET_ACCESS_KEY"), token = environment("AWS_SESSION_TOKEN");
+    if (secret.empty())
+      return invalid_argument(
+          "AWS_SECRET_ACCESS_KEY: is not set, but AWS_ACCESS_KEY_ID is; set both or none");
+    keys = AwsKeys{access, region, Secret(secret), Secret(token)};
+    wipe(secret);
+    wipe(token);
+  }
+  const std::string endpoint = without_trailing_slashes(environment("AWS_ENDPOINT_URL"));
+  const std::string base = endpoint.empty()
+                               ? "https://" + bucket + ".s3." + region + ".amazonaws.com" + prefix
+                               : endpoint + "/" + bucket + prefix;
+  return std::shared_ptr<ObjectStore>(std::make_shared<HttpStore>(base, place, std::move(keys), times));
+}
+
+}  // namespace
+
+bool is_store_url(std::string_view text) {
+  return text.starts_with("http://") || text.starts_with("https://") || text.starts_with("s3://");
+}
+
+std::string shown_url(std::string_view text) {
+  if (!is_store_url(text)) return std::string(text);
+  text = text.substr(0, text.find_first_of("?#"));
+  const std::size_t host = text.find("://") + 3, path = std::min(text.find('/', host), text.size());
+  const std::size_t user = text.substr(host, path - host).rfind('@');
+  if (user == std::string_view::npos) return std::string(text);
+  return std::string(text.substr(0, host)) + std::string(text.substr(host + user + 1));
+}
+
+std::string ObjectStore::shown(const std::string& name) const {
+  return shown_place_ + "/" + name.substr(0, name.find('?'));
+}
+
+Result<std::shared_ptr<ObjectStore>> ObjectStore::open(const std::string& given, const StoreTimes& times) {
+  const std::string place = without_trailing_slashes(given);
+  if (!is_store_url(place)) {
+    if (place.empty()) return invalid_argument("asset store: is empty; give a folder or an address");
+    if (place.find("://") != std::string::npos)
+      return invalid_argument(shown_url(place) +
+                              ": is not an address of a store; give http://, https:// or s3://");
+    return std::shared_ptr<ObjectStore>(std::make_shared<FolderStore>(place));
+  }
+  if (place.find_first_of("?#") != std::string::npos)
+    return invalid_argument(shown_url(place) + ": a store has no query; give the address of a folder");
+  if (place.starts_with("s3://")) return open_bucket(place, times);
+  const std::size_t host = place.find("://") + 3;
+  if (host >= place.size() || place[host] == '/') return invalid_argument(place + ": names no host");
+  return std::shared_ptr<ObjectStore>(
+      std::make_shared<HttpStore>(place, shown_url(place), std::nullopt, times));
+}
+
+Result<std::vector<std::byte>> ObjectStore::get(const std::string& name, std::uint64_t max_bytes,
+                                                std::stop_token stop) {
+  std::vector<std::byte> all;
+  auto done = read(
+      name, 0,
+      [&](std::uint64_t, std::span<const std::byte> bytes) -> Result<void> {
+        if (bytes.size() > max_bytes - all.size())
+          return Error{ErrorCode::TooLarge,
+                       shown(name) + ": is larger than " + std::to_string(max_bytes) + " bytes"};
+        all.insert(all.end(), bytes.begin(), bytes.end());
+        return {};
+      },
+      stop);
+  if (!done) return done.error();
+  return all;
+}
+
+Result<std::vector<std::byte>> ObjectStore::get_by_hash(const std::string& hash, std::uint64_t max_bytes,
+                                                        std::stop_token stop) {
+  constexpr int kAttempts = 2;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    auto bytes = get(hash, max_bytes, stop);
+    if (!bytes || content_hash(*bytes) == hash) return bytes;
+  }
+  return invalid_data(shown(hash) + ": its bytes have another hash; publish it again");
+}
+
+Result<ObjectPlace> open_object(const std::string& place, const StoreTimes& times) {
+  const std::size_t path = is_store_url(place) ? place.find("://") + 3 : 0;
+  const std::size_t slash = place.substr(0, place.find_first_of("?#", path)).rfind('/');
+  const bool has_folder = slash != std::string::npos && slash >= path;
+  if (is_store_url(place) && !has_folder)
+    return invalid_argument(shown_url(place) + ": names no object; give the whole address");
+  const std::string folder = !has_folder ? "." : slash == 0 ? "/" : place.substr(0, slash);
+  const std::string name = has_folder ? place.substr(slash + 1) : place;
+  if (name.empty() || name.front() == '?')
+    return invalid_argument(shown_url(place) + ": names no object; give the whole address");
+  auto store = ObjectStore::open(folder, times);
+  if (!store) return store.error();
+  return ObjectPlace{*std::move(store), name};
+}
+
+}  // namespace livegs

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "core/result.h"
+#include "store/object_store.h"
+
+namespace livegs {
+
+// What publish_scene() stored.
+struct PublishedScene {
+  std::string file;  // name of the scene file in the store
+  size_t files = 0, assets = 0;
+  uint64_t written_bytes = 0;  // of objects that the store did not have
+};
+
+// Stores a scene so that servers start from the store alone and clients fetch its assets there. Objects:
+//   SHA256             a file of the scene, named by the hash of its bytes
+//   HASH, HASH.web     an asset for clients and for browsers (proto/asset_format.md, "Stores")
+//   NAME.scene.json    the scene file
+//   NAME.files.json    the list of them all (livegs.v1.StoredScene), written last
+// `path`: a scene file, a folder of assets or one asset, built here once for the assets of shapes and pieces.
+// Objects that the store has are not written again.
+Result<PublishedScene> publish_scene(const std::filesystem::path& path, ObjectStore& store);
+
+}  // namespace livegs

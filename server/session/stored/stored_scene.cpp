@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/stored/stored_scene.h"
+
+#include <stdlib.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "core/file.h"
+#include "core/log.h"
+#include "core/text/path_ending.h"
+#include "core/text/shown_text.h"
+#include "json/json_message.h"
+#include "livegs/v1/store.pb.h"
+#include "session/recording/recorded_files.h"
+#include "store/object_store.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxListBytes = 64 << 20;
+
+std::string without_scene_ending(std::string name) {
+  constexpr std::string_view kEnding = ".scene.json";
+  if (has_ending(name, std::string(kEnding))) name.resize(name.size() - kEnding.size());
+  return name;
+}
+
+bool is_hash(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+// Whether a path of the list stays in the folder of the scene.
+bool is_inside(const std::string& path) {
+  const fs::path given(path);
+  if (path.empty() || path.find('\0') != std::string::npos || given.is_absolute()) return false;
+  for (const fs::path& part : given) {
+    if (part == ".." || part.empty()) return false;
+  }
+  return true;
+}
+
+Result<v1::StoredScene> read_list(ObjectStore& store, const std::string& name) {
+  auto bytes = store.get(name, kMaxListBytes);
+  if (!bytes)
+    return Error{bytes.error().code, bytes.error().message + (bytes.error().code == ErrorCode::NotFound
+                                                                  ? "; store the scene with livegs publish"
+                                                                  : "")};
+  v1::StoredScene list;
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  if (auto parsed = parse_json_message(text, list); !parsed)
+    return invalid_data(store.shown(name) + ": " + parsed.error().message);
+  for (const auto& file : list.files()) {
+    if (!is_inside(file.path()) || !is_hash(file.sha256()))
+      return invalid_data(store.shown(name) + ": \"" + shown_text(file.path(), 80) +
+                          "\" is not a file of a scene; publish the scene again");
+  }
+  for (const auto& asset : list.assets()) {
+    if (!is_hash(asset.hash()))
+      return invalid_data(store.shown(name) + ": an asset has no hash; publish the scene again");
+  }
+  return list;
+}
+
+Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, const fs::path& folder) {
+  auto bytes = store.get_by_hash(file.sha256());
+  if (!bytes) return Error{bytes.error().code, file.path() + ": " + bytes.error().message};
+  const fs::path path = folder / file.path();
+  std::error_code failed;
+  fs::create_directories(path.parent_path(), failed);
+  if (failed) return Error{ErrorCode::Internal, path.string() + ": cannot be created: " + failed.message()};
+  return write_file_atomically(path, *bytes);
+}
+
+}  // namespace
+
+StoredScene::StoredScene(StoredScene&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_(std::exchange(other.temporary_, {})),
+      assets_(std::move(other.assets_)) {}
+
+StoredScene::~StoredScene() {
+  std::error_code ignored;
+  if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+}
+
+Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::string& place) {
+  const bool remote = is_store_url(scene);
+  const auto at = remote ? open_object(scene) : Result<ObjectPlace>(ObjectPlace{});
+  if (!at) return at.error();
+  auto store = place.empty() ? at->store : nullptr;
+  if (!store) {
+    auto opened = ObjectStore::open(place);
+    if (!opened) return opened.error();
+    store = *std::move(opened);
+  }
+  const fs::path local = fs::absolute(scene).lexically_normal();
+  std::string name = at->name;
+  if (!remote) name = (local.has_filename() ? local : local.parent_path()).filename().string();
+  if (remote && !has_ending(name, ".scene.json"))
+    return invalid_argument(shown_url(scene) + ": is not the address of a NAME.scene.json");
+  ObjectStore& lists = remote ? *at->store : *store;
+  const auto list = read_list(lists, without_scene_ending(name) + ".files.json");
+  if (!list) return list.error();
+
+  StoredScene fetched;
+  for (const auto& asset : list->assets()) fetched.assets_.push_back({asset.hash(), asset.web_sha256()});
+  fs::path folder;
+  if (remote) {
+    std::string made = (fs::temp_directory_path() / "livegs_scene_XXXXXX").string();
+    if (::mkdtemp(made.data()) == nullptr)
+      return Error{ErrorCode::Internal,
+                   made + ": cannot be created: " + std::strerror(errno) + "; set TMPDIR to another folder"};
+    fetched.temporary_ = folder = made;
+    fetched.path_ = folder / name;
+  } else {
+    std::error_code ignored;
+    folder = fs::is_directory(local, ignored) ? local : local.parent_path();
+    fetched.path_ = scene;
+  }
+  size_t count = 0;
+  uint64_t bytes = 0;
+  for (const auto& file : list->files()) {
+    std::error_code ignored;
+    if (!remote && (fs::exists(folder / file.path(), ignored) || has_ending(file.path(), ".scene.json")))
+      continue;
+    if (auto done = fetch_file(*store, file, folder); !done) return done.error();
+    ++count;
+    bytes += file.bytes();
+  }
+  std::error_code ignored;
+  if (remote && !fs::exists(fetched.path_, ignored))
+    return invalid_data(shown_url(scene) + ": its list of files lacks the scene; publish the scene again");
+  if (count > 0) log_info("store: %zu files fetched, %.1f MB", count, static_cast<double>(bytes) * 1e-6);
+  return fetched;
+}
+
+}  // namespace livegs

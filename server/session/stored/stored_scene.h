@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "session/assets/client_store.h"
+
+namespace livegs {
+
+// The files of a scene that come from a store (publish_scene.h), each verified by its hash. Files that were
+// fetched into a temporary folder are removed with this object.
+class StoredScene {
+ public:
+  // `scene`: the address of a published NAME.scene.json, whose files are fetched into a temporary folder; or
+  // a local path, whose missing files are fetched to their places. `place`: the store of the objects; empty:
+  // the folder of the address. Errors name the object of the store, or the file.
+  static Result<StoredScene> fetch(const std::string& scene, const std::string& place);
+  StoredScene(StoredScene&& other) noexcept;
+  StoredScene& operator=(StoredScene&&) = delete;
+  ~StoredScene();
+
+  const std::filesystem::path& path() const { return path_; }  // of the scene, local
+  // The assets that clients find in the store.
+  const std::vector<ClientStore::Asset>& assets() const { return assets_; }
+
+ private:
+  StoredScene() = default;
+  std::filesystem::path path_, temporary_;
+  std::vector<ClientStore::Asset> assets_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene in a store: published, served by a server that has no copy, and fetched by clients from the store.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+
+#include "object_store_mock.h"
+#include "system/programs/programs_fixture.h"
+#include "system/support/read_metrics.h"
+
+namespace livegs {
+namespace {
+
+// A cup in a folder above the scene, a box, and a path of a hand.
+constexpr const char* kStoredScene = R"({ // a comment
+  "environment": { "colliders": [ { "plane": {} } ] },
+  "objects": [
+    { "name": "cup", "points": "../things/cup.csv", "kernel_per_point": false, "pose": { "position_m": [0, 0.1, 0] },
+      "physics": { "behavior": "RIGID", "mass_kg": 0.3, "fill": "SOLID" } },
+    { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.4, 0.1, 0] },
+      "physics": { "behavior": "RIGID", "mass_kg": 1 } } ] })";
+
+class AssetStores : public Programs {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder_ / "things");
+    std::filesystem::copy_file(LIVEGS_TESTS_DIR "/scenes/cup.csv", folder_ / "things/cup.csv");
+    scene_ = folder_.write("rooms/hall.scene.json", kStoredScene);
+  }
+  void publish() {
+    Program tool({LIVEGS_TOOL, "publish", scene_, "--asset-store", mock_.url()});
+    ASSERT_EQ(tool.wait(), 0) << tool.err();
+    ASSERT_NE(tool.out().find("hall.scene.json"), std::string::npos) << tool.out();
+  }
+  // A server of the published scene; nothing of the scene is left on this machine.
+  std::vector<std::string> stored_server(const std::string& scene, std::vector<std::string> more = {}) {
+    std::filesystem::remove_all(folder_ / "things");
+    std::filesystem::remove_all(folder_ / "rooms");
+    std::vector<std::string> words = {
+        LIVEGS_SERVER, scene, "--listen", "127.0.0.1:0", "--print-port", "--threads", "1", "--metrics", "0"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  std::string assets_requested() const {
+    std::string all;
+    for (const SeenRequest& request : mock_.requests()) {
+      if (request.method == "GET" && request.path.starts_with("/assets/")) all += request.path + "\n";
+    }
+    return all;
+  }
+  // Bytes of assets that the server itself has sent.
+  static double sent_by(Program& server) {
+    EXPECT_TRUE(server.says("/metrics"));
+    return metrics_at(metrics_port_in(server.err())).at("livegs_asset_bytes_total");
+  }
+  std::string scene_;
+  ObjectStoreMock mock_;
+};
+
+TEST_F(AssetStores, AServerStartsFromTheStoreAndClientsFetchThere) {
+  publish();
+  const size_t objects = mock_.names().size();
+  const size_t written = mock_.requests().size();
+  publish();  // again: nothing is written but the scene and its list
+  EXPECT_EQ(mock_.names().size(), objects);
+  const auto all = mock_.requests();
+  EXPECT_EQ(std::count_if(all.begin() + static_cast<long>(written), all.end(),
+                          [](const SeenRequest& request) { return request.method == "PUT"; }),
+            2);
+  Program server(stored_server(mock_.url() + "/hall.scene.json"));
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0.5", "--no-video", "--every", "0"}));
+  ASSERT_EQ(client.wait(), 0) << client.err();
+  EXPECT_EQ(client.err().find("fetching it from the server"), std::string::npos) << client.err();
+  EXPECT_GT(ticks_of("view").size(), 5u);
+  const std::string requested = assets_requested();
+  EXPECT_EQ(std::count(requested.begin(), requested.end(), '\n'), 4) << requested;  // also floor and pieces
+  EXPECT_EQ(sent_by(server), 0);  // no byte of an asset crosses the simulation's machine
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST_F(AssetStores, ClientsFetchFromTheServerWhenTheStoreFails) {
+  publish();
+  Program server(stored_server(mock_.url() + "/hall.scene.json"));
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  const auto faulty = [&](const std::string& name, Reply reply) {
+    mock_.set_fault([=](const SeenRequest&, int) { return std::optional<Reply>(reply); });
+    std::filesystem::remove_all(folder_ / "cache");
+    Program client(client_words(port, {"--seconds", "0.2", "--no-video", "--every", "0"}, "view_" + name));
+    EXPECT_EQ(client.wait(), 0) << name << client.err();
+    EXPECT_NE(client.err().find("fetching it from the server"), std::string::npos) << name << client.err();
+    EXPECT_GT(ticks_of("view_" + name).size(), 1u) << name;
+  };
+  Reply refused, failing, wrong, cut;
+  refused.status = 403;
+  failing.status = 503;
+  wrong.body = std::string(300, 'x');
+  cut.body = std::string(3000, 'x');
+  cut.cut_after = 10;
+  faulty("refused", refused);
+  EXPECT_GT(sent_by(server), 0);
+  faulty("failing", failing);
+  faulty("wrong", wrong);
+  faulty("cut", cut);
+}
+
+TEST_F(AssetStores, FilesAreVerified) {
+  publish();
+  const auto expect_refused = [&](const std::string& message, std::vector<std::string> words) {
+    Program server(std::move(words));
+    EXPECT_NE(server.wait(), 0);
+    expect_one_line(server, message);
+  };
+  const std::string list = mock_.get("hall.files.json");
+  const std::string hash = list.substr(list.find("\"sha256\"") + 11, 64);
+  const std::string bytes = mock_.get(hash);
+  mock_.set(hash, "#" + bytes.substr(1));
+  expect_refused("its bytes have another hash", stored_server(mock_.url() + "/hall.scene.json"));
+  mock_.set(hash, bytes);
+  const size_t path = list.find("\"path\": \"") + 9;
+  std::string outside = list;
+  outside.insert(path, "../");
+  mock_.set("hall.files.json", outside);
+  expect_refused("is not a file of a scene", stored_server(mock_.url() + "/hall.scene.json"));
+  expect_refused("does not exist in the store; store the scene with livegs publish",
+                 stored_server(mock_.url() + "/other.scene.json"));
+}
+
+// A scene file on this machine whose other files are in a folder as store.
+TEST_F(AssetStores, ALocalSceneTakesItsMissingFilesFromTheStore) {
+  std::filesystem::rename(folder_ / "things/cup.csv", folder_ / "rooms/cup.csv");
+  std::string local = kStoredScene;
+  local.replace(local.find("../things/"), 10, "");
+  scene_ = folder_.write("rooms/hall.scene.json", local);
+  Program tool({LIVEGS_TOOL, "publish", scene_, "--asset-store", folder_ / "store"});
+  ASSERT_EQ(tool.wait(), 0) << tool.err();
+  std::filesystem::remove(folder_ / "rooms/cup.csv");
+  Program server({LIVEGS_SERVER, scene_, "--asset-store", folder_ / "store", "--listen", "127.0.0.1:0",
+                  "--print-port", "--threads", "1", "--seconds", "0.1"});
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "rooms/cup.csv"));
+}
+
+}  // namespace
+}  // namespace livegs
