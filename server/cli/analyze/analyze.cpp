@@ -22,6 +22,7 @@
 #include "cli/analyze/parameters_table.h"
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "cli/job/job.h"
 #include "cli/output_path.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -29,6 +30,7 @@
 #include "core/text/shown_text.h"
 #include "scene/views/scene_analysis.h"
 #include "scene/views/target_views.h"
+#include "session/stored/publish_scene.h"
 
 namespace livegs {
 namespace {
@@ -43,6 +45,7 @@ struct AnalyzeCommand {
   int views = 1;
   EndpointChoice endpoint;
   PhysicsDecision decision;
+  JobOptions job;
 };
 
 // An asset is treated as a scene with one object.
@@ -332,6 +335,15 @@ int run(const AnalyzeCommand& options) {
   return 0;
 }
 
+// A scene of a store, `given`, is stored again with the values that --write saved.
+int run_and_store(const AnalyzeCommand& options, const std::string& given) {
+  if (const int code = run(options); code != 0 || !options.write || !is_store_url(given)) return code;
+  auto store = ObjectStore::open(given.substr(0, given.rfind('/')));
+  if (!store) return report_job(store.error());
+  if (const auto stored = publish_scene(options.path, **store); !stored) return report_job(stored.error());
+  return 0;
+}
+
 }  // namespace
 
 void add_analyze(CLI::App& app, int& exit_code) {
@@ -420,7 +432,12 @@ void add_analyze(CLI::App& app, int& exit_code) {
   decline->excludes(accept);
   undo->excludes(accept)->excludes(decline);
   redo->excludes(accept)->excludes(decline)->excludes(undo);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  add_job_options(*command, options->job);
+  command->callback([options, command, &exit_code] {
+    const std::string given = options->path.string();
+    exit_code = run_as_job(*command, options->job, {&options->path}, &options->explain,
+                           [&](Job&) { return run_and_store(*options, given); });
+  });
 }
 
 }  // namespace livegs

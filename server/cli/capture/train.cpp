@@ -16,9 +16,11 @@ struct TrainCommand {
   std::filesystem::path photos;
   TrainRun run;
   std::string shape = "needle";
+  JobOptions job;
 };
 
-int train(TrainCommand options) {
+int train(TrainCommand options, Job& job) {
+  options.run.job = &job;
   if (auto checked = check_output_file(options.run.output, {".ply", ".spz"}); !checked)
     return report(checked.error());
   options.run.train.shape.loss = options.shape == "none"     ? ShapeLoss::None
@@ -28,7 +30,12 @@ int train(TrainCommand options) {
   if (!capture) return report(capture.error());
   for (const std::string& note : capture->notes) log_warn("%s: %s", options.photos.c_str(), note.c_str());
   const auto outcome = run_training(*capture, options.run);
-  if (!outcome) return report(outcome.error());
+  if (!outcome) return report_job(outcome.error());
+  if (outcome->evicted) {
+    std::printf("stopped at step %zu of %zu; the same command continues\n", outcome->steps,
+                options.run.train.steps);
+    return kRetryExit;
+  }
   if (outcome->interrupted) {
     std::printf("%s: stopped at step %zu of %zu; the same command with --resume continues\n",
                 options.run.output.c_str(), outcome->steps, options.run.train.steps);
@@ -74,7 +81,11 @@ void add_train(CLI::App& app, int& exit_code) {
   command->add_option("--seed", settings.seed, "Seed of all random choices")->capture_default_str();
   command->add_flag("--ignore-masked", settings.ignore_masked, "Ignore pixels whose mask is 0");
   command->add_flag("--resume", run.resume, "Continue from the checkpoint of an interrupted run");
-  command->callback([options, &exit_code] { exit_code = train(*options); });
+  add_job_options(*command, options->job);
+  command->callback([options, command, &exit_code] {
+    exit_code = run_as_job(*command, options->job, {&options->photos}, &options->run.output,
+                           [&](Job& job) { return train(*options, job); });
+  });
 }
 
 }  // namespace livegs

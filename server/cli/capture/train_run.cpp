@@ -16,12 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t train_interrupted = 0;
+volatile std::sig_atomic_t train_interrupted = 0;  // the signal
 
 // The second signal ends the program at once.
-extern "C" void note_train_interrupt(int) {
-  train_interrupted = 1;
-  std::signal(SIGINT, SIG_DFL);
+extern "C" void note_train_interrupt(int signal_number) {
+  train_interrupted = signal_number;
+  std::signal(signal_number, SIG_DFL);
 }
 
 fs::path with_ending(fs::path path, const char* ending) { return path.replace_extension(ending); }
@@ -84,7 +84,19 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
   if (!device) return device.error();
   if (*device) trainer->use_device(*std::move(device));
   const fs::path checkpoint = with_ending(run.output, ".checkpoint");
-  if (run.resume) {
+  const bool keeps = run.job && run.job->keeps_state();
+  const auto keep = [&]() -> Result<void> {
+    const auto state = trainer->checkpoint();
+    return keeps ? run.job->keep_state(trainer->steps_done(), state)
+                 : write_file_atomically(checkpoint, state);
+  };
+  if (keeps) {
+    const auto state = run.job->last_state();
+    if (!state) return state.error();
+    if (*state) {
+      if (auto resumed = trainer->resume(**state); !resumed) return resumed.error();
+    }
+  } else if (run.resume) {
     const auto bytes = read_file(checkpoint);
     if (!bytes) return bytes.error();
     if (auto resumed = trainer->resume(*bytes); !resumed) return resumed.error();
@@ -93,11 +105,13 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
            capture.views.size(), capture.points.size(), trainer->extent(), trainer->kernels().size());
 
   std::signal(SIGINT, note_train_interrupt);
+  if (keeps) std::signal(SIGTERM, note_train_interrupt);
   const Progress progress{run, capture, std::chrono::steady_clock::now(), trainer->steps_done()};
   HeldOutScore best_score;
   std::optional<GaussianAsset> best;
   while (!trainer->done() && train_interrupted == 0) {
     if (auto stepped = trainer->step(); !stepped) return stepped.error();
+    if (run.job) run.job->progress(trainer->steps_done(), run.train.steps);
     if (trainer->steps_done() % run.every != 0 || trainer->done()) continue;
     const auto score = progress.report(*trainer);
     if (!score) return score.error();
@@ -105,8 +119,11 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
       best_score = *score;
       best = trainer->asset();
     }
-    if (auto written = write_file_atomically(checkpoint, trainer->checkpoint()); !written)
-      return written.error();
+    if (auto kept = keep(); !kept) return kept.error();
+  }
+  if (train_interrupted == SIGTERM && !trainer->done()) {
+    if (auto kept = keep(); !kept) return kept.error();
+    return TrainOutcome{{}, trainer->steps_done(), trainer->kernels().size(), true, true};
   }
   const auto last = progress.report(*trainer);
   if (!last) return last.error();
@@ -115,9 +132,8 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
     return written.error();
   TrainOutcome outcome{*last, trainer->steps_done(), trainer->kernels().size(), !trainer->done()};
   if (outcome.interrupted) {
-    if (auto written = write_file_atomically(checkpoint, trainer->checkpoint()); !written)
-      return written.error();
-  } else {
+    if (auto kept = keep(); !kept) return kept.error();
+  } else if (!keeps) {
     std::error_code ignored;
     fs::remove(checkpoint, ignored);
   }

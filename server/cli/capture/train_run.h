@@ -7,6 +7,7 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "cli/job/job.h"
 #include "core/result.h"
 #include "train/train_options.h"
 #include "train/trainer.h"
@@ -21,11 +22,15 @@ struct TrainRun {
   std::string device = "auto";  // see choose_device.h
   size_t every = 500;           // steps between a score, a picture and a checkpoint
   bool resume = false;          // continue from the checkpoint
+  // Keeps the state in place of NAME.checkpoint if it has checkpoints: the run continues from the newest one,
+  // and SIGTERM ends it after the current step with its state kept. Null: none.
+  Job* job = nullptr;
 };
 struct TrainOutcome {
   HeldOutScore score;
   size_t steps = 0, kernels = 0;
   bool interrupted = false;  // by Ctrl-C; the output is then the best splat so far
+  bool evicted = false;      // by SIGTERM; there is no output, and the job keeps the state
 };
 
 // Exit code of a run that Ctrl-C interrupted, as a shell reports it.

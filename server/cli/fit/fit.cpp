@@ -11,6 +11,7 @@
 
 #include "cli/commands.h"
 #include "cli/fit/rebase_scene.h"
+#include "cli/job/job.h"
 #include "cli/output_path.h"
 #include "core/clock.h"
 #include "core/file.h"
@@ -34,6 +35,7 @@ struct FitCommand {
   std::vector<std::string> find;
   double first_frame_s = 0, max_seconds = 10;
   bool quiet = false;  // --quiet of the program
+  JobOptions job;
 };
 
 std::atomic<bool> fit_interrupted{false};
@@ -150,7 +152,7 @@ Result<void> write_result(const FitCommand& command, const FitRequest& request, 
   return {};
 }
 
-int run_fit(const FitCommand& command) {
+int run_fit(const FitCommand& command, Job& job) {
   if (!std::isfinite(command.first_frame_s) || !std::isfinite(command.max_seconds))
     return report(invalid_argument("--first-frame, --max-seconds: must be finite numbers"));
   if (auto checked = check_output_folder(command.output); !checked) return report(checked.error());
@@ -162,7 +164,9 @@ int run_fit(const FitCommand& command) {
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   const int64_t started_ns = now_ns();
+  size_t lines = 0;
   const FitProgress progress = [&](const std::string& line) {
+    job.progress(++lines, 0);
     set_log_level(LogLevel::Error);  // each simulation would print the notes of the first one
     if (!command.quiet)
       std::fprintf(stderr, "%5.0f s  %s\n", milliseconds_from_ns(now_ns() - started_ns) / 1000, line.c_str());
@@ -236,11 +240,14 @@ void add_fit(CLI::App& app, int& exit_code) {
       "  livegs fit hat.scene.json --video hat.mp4 --camera camera.json -o out/fit\n"
       "  livegs fit desk.scene.json --tracks paths.csv --camera camera.json --find leaf=youngs_modulus_pa -o "
       "out/leaf");
-  command->callback([options, video, tracks, &app, &exit_code] {
+  add_job_options(*command, options->job);
+  command->callback([options, command, video, tracks, &app, &exit_code] {
     options->quiet = app.get_option("--quiet")->count() > 0;
     exit_code = video->count() + tracks->count() == 0
                     ? report(invalid_argument("fit: give --video or --tracks"))
-                    : run_fit(*options);
+                    : run_as_job(*command, options->job,
+                                 {&options->scene, &options->video, &options->tracks, &options->camera},
+                                 &options->output, [&](Job& job) { return run_fit(*options, job); });
   });
 }
 

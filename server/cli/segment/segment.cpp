@@ -5,6 +5,7 @@
 
 #include "capture/read/pose_files.h"
 #include "cli/commands.h"
+#include "cli/job/job.h"
 #include "cli/segment/segment_room.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
@@ -16,6 +17,7 @@ struct SegmentCommand {
   std::filesystem::path input, cameras;
   std::string known;
   SegmentRequest request;
+  JobOptions job;
 };
 
 int segment(SegmentCommand command) {
@@ -77,7 +79,12 @@ void add_segment(CLI::App& app, int& exit_code) {
           "A thing of an earlier run and its longest side in metres, such as part_03=0.21; sets the scale")
       ->type_name("NAME=M")
       ->excludes("--scale");
-  command->callback([options, &exit_code] { exit_code = segment(*options); });
+  add_job_options(*command, options->job);
+  command->callback([options, command, &exit_code] {
+    exit_code =
+        run_as_job(*command, options->job, {&options->input, &options->cameras, &options->request.masks},
+                   &options->request.output, [&](Job&) { return segment(*options); });
+  });
 }
 
 }  // namespace livegs

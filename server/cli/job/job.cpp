@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/job/job.h"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "cli/commands.h"
+#include "cli/job/unpack_zip.h"
+#include "core/content_hash.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/text/path_ending.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kStateHead = "livegs-state ";
+// Options that do not change the bytes of the outputs.
+const std::set<std::string> kNoPartOfTheJob{"--checkpoints", "--metrics", "--resume", "--help", "--device"};
+
+std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Result<std::string> hash_of_file(const fs::path& path) {
+  const auto bytes = read_file(path, uint64_t{64} << 30);
+  if (!bytes) return bytes.error();
+  return content_hash(*bytes);
+}
+
+// All files below a folder, or the file itself, sorted.
+std::vector<fs::path> files_below(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return {path};
+  std::vector<fs::path> files;
+  for (auto at = fs::recursive_directory_iterator(path, error);
+       !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    std::error_code ignored;
+    if (at->is_regular_file(ignored)) files.push_back(at->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// A state with its step and its own hash in front.
+struct KeptState {
+  size_t step = 0;
+  std::vector<std::byte> bytes;
+};
+
+std::optional<KeptState> read_state(std::vector<std::byte> object) {
+  const auto end = std::find(object.begin(), object.end(), std::byte{'\n'});
+  if (end == object.end()) return std::nullopt;
+  std::istringstream head(text_of(std::span(object.begin(), end)));
+  std::string word, hash;
+  KeptState state;
+  if (!(head >> word >> state.step >> hash) || word + " " != kStateHead) return std::nullopt;
+  state.bytes.assign(end + 1, object.end());
+  if (content_hash(state.bytes) != hash) return std::nullopt;
+  return state;
+}
+
+}  // namespace
+
+void add_job_options(CLI::App& command, JobOptions& options) {
+  command
+      .add_option(
+          "--checkpoints", options.checkpoints,
+          "Folder, http(s):// address that takes PUT, or s3://BUCKET/PREFIX for the state of the work: the "
+          "same command continues from it, and is done at once if its outputs exist. Inputs may be "
+          "addresses of a file, a .zip of a folder or a published scene; outputs are stored by PUT. Exit "
+          "codes: 0 done, 1 failed, 2 wrong input, 75 try again")
+      ->type_name("PLACE");
+  command
+      .add_option("--metrics", options.metrics,
+                  "Serve the progress as Prometheus metrics on this port (of 127.0.0.1 without HOST)")
+      ->type_name("[HOST:]PORT");
+}
+
+int report_job(const Error& error) {
+  const int code = report(error);
+  if (error.code == ErrorCode::PermissionDenied) return 2;
+  return error.code == ErrorCode::Unavailable ? kRetryExit : code;
+}
+
+Result<std::unique_ptr<Job>> Job::begin(const CLI::App& command, const JobOptions& options) {
+  std::unique_ptr<Job> job(new Job);
+  std::string made = (fs::temp_directory_path() / "livegs_job_XXXXXX").string();
+  if (::mkdtemp(made.data()) == nullptr)
+    return Error{ErrorCode::Internal,
+                 made + ": cannot be created: " + std::strerror(errno) + "; set TMPDIR to another folder"};
+  job->folder_ = made;
+  std::error_code ignored;
+  std::ofstream(job->folder_ / "begun").flush();
+  job->begun_ = fs::last_write_time(job->folder_ / "begun", ignored);
+  if (!options.checkpoints.empty()) {
+    auto store = ObjectStore::open(options.checkpoints);
+    if (!store) return store.error();
+    job->checkpoints_ = *std::move(store);
+  }
+  if (!options.metrics.empty()) {
+    auto metrics = JobMetrics::serve(options.metrics, command.get_name());
+    if (!metrics) return metrics.error();
+    job->metrics_ = *std::move(metrics);
+  }
+  job->add_to_key("livegs " LIVEGS_VERSION " " + command.get_name());
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (kNoPartOfTheJob.contains(name) || option->count() == 0) continue;
+    job->add_to_key(name);
+    for (const std::string& value : option->results()) job->add_to_key("  " + shown_url(value));
+  }
+  return job;
+}
+
+Job::~Job() {
+  scenes_.clear();
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+Result<void> Job::add_file_to_key(const fs::path& path) {
+  if (!checkpoints_) return {};
+  for (const fs::path& file : files_below(path)) {
+    const auto hash = hash_of_file(file);
+    if (!hash) return hash.error();
+    add_to_key(file.lexically_relative(path).string() + " " + *hash);
+  }
+  return {};
+}
+
+Result<fs::path> Job::input(const fs::path& given) {
+  if (given.empty()) return given;
+  const std::string text = given.string();
+  fs::path local = given;
+  if (is_store_url(text)) {
+    if (has_ending(shown_url(text), ".scene.json")) {
+      auto scene = StoredScene::fetch(text, "");
+      if (!scene) return scene.error();
+      scenes_.push_back(std::make_unique<StoredScene>(*std::move(scene)));
+      local = scenes_.back()->path();
+      if (auto added = add_file_to_key(local.parent_path()); !added) return added.error();
+      return local;
+    }
+    const auto place = open_object(text);
+    if (!place) return place.error();
+    const fs::path into = folder_ / ("input_" + std::to_string(inputs_++));
+    std::error_code failed;
+    fs::create_directories(into, failed);
+    local = into / place->name.substr(0, place->name.find('?'));
+    std::ofstream out(local, std::ios::binary | std::ios::trunc);
+    const auto read =
+        place->store->read(place->name, 0, [&](uint64_t, std::span<const std::byte> bytes) -> Result<void> {
+          out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+          if (!out) return Error{ErrorCode::Internal, local.string() + ": cannot be written"};
+          return {};
+        });
+    out.close();
+    if (!read) return read.error();
+    if (auto added = add_file_to_key(local); !added) return added.error();
+    if (!has_ending(local.string(), ".zip")) return local;
+    return unpack_zip(local, into / "unpacked");
+  }
+  if (auto added = add_file_to_key(local); !added) return added.error();
+  return local;
+}
+
+Result<fs::path> Job::output(const fs::path& given) {
+  output_ = given;
+  if (!is_store_url(given.string())) return output_;
+  std::string text = given.string();
+  while (text.ends_with('/')) text.pop_back();
+  auto place = open_object(text);
+  if (!place) return place.error();
+  place_ = *std::move(place);
+  std::error_code failed;
+  fs::create_directories(folder_ / "output", failed);
+  output_ = folder_ / "output" / place_->name.substr(0, place_->name.find('?'));
+  return output_;
+}
+
+std::string Job::object(const char* ending) const {
+  return content_hash(std::as_bytes(std::span(key_text_))) + ending;
+}
+
+Result<bool> Job::finished() {
+  if (!checkpoints_) return false;
+  const auto mark = checkpoints_->get(object(".done"));
+  if (!mark) {
+    if (mark.error().code == ErrorCode::NotFound) return false;
+    return mark.error();
+  }
+  std::istringstream lines(text_of(*mark));
+  size_t found = 0;
+  for (std::string line; std::getline(lines, line); ++found) {
+    std::istringstream words(line);
+    uint64_t bytes = 0;
+    std::string hash, name;
+    words >> bytes >> hash >> std::ws;
+    std::getline(words, name);
+    std::optional<uint64_t> there;
+    if (place_) {
+      const auto size = place_->store->size(name);
+      if (!size) return size.error();
+      there = *size;
+    } else {
+      const auto now = hash_of_file(output_.parent_path() / name);
+      if (now && *now == hash) there = bytes;
+    }
+    if (there != bytes) return false;
+  }
+  return found > 0;
+}
+
+Result<std::optional<std::vector<std::byte>>> Job::last_state() {
+  std::optional<KeptState> newest;
+  if (!checkpoints_) return std::optional<std::vector<std::byte>>();
+  for (size_t slot = 0; slot < 2; ++slot) {
+    auto bytes = checkpoints_->get(object(slot == 0 ? ".state0" : ".state1"));
+    if (!bytes && bytes.error().code != ErrorCode::NotFound) return bytes.error();
+    if (!bytes) continue;
+    auto state = read_state(*std::move(bytes));
+    if (!state) {
+      log_warn("%s: is damaged; the state before it is used",
+               checkpoints_->shown(object(slot == 0 ? ".state0" : ".state1")).c_str());
+      next_slot_ = newest ? slot : next_slot_;
+      continue;
+    }
+    if (newest && newest->step > state->step) continue;
+    next_slot_ = 1 - slot;
+    newest = std::move(state);
+  }
+  if (!newest) return std::optional<std::vector<std::byte>>();
+  log_info("continuing from the checkpoint of step %zu", newest->step);
+  return std::optional<std::vector<std::byte>>(std::move(newest->bytes));
+}
+
+Result<void> Job::keep_state(size_t step, std::span<const std::byte> state) {
+  const std::string head = std::string(kStateHead) + std::to_string(step) + " " + content_hash(state) + "\n";
+  std::vector<std::byte> object_bytes;
+  object_bytes.reserve(head.size() + state.size());
+  const auto head_bytes = std::as_bytes(std::span(head));
+  object_bytes.insert(object_bytes.end(), head_bytes.begin(), head_bytes.end());
+  object_bytes.insert(object_bytes.end(), state.begin(), state.end());
+  if (auto put = checkpoints_->put(object(next_slot_ == 0 ? ".state0" : ".state1"), object_bytes); !put)
+    return put;
+  next_slot_ = 1 - next_slot_;
+  if (metrics_) metrics_->checkpoint_step = step;
+  return {};
+}
+
+std::vector<fs::path> Job::output_files() const {
+  std::vector<fs::path> files;
+  const bool all = place_.has_value();  // the temporary folder has nothing else
+  // A command may write files next to its output file, with its name and another ending.
+  const fs::path base = all ? output_.parent_path() : output_;
+  std::error_code ignored;
+  for (const fs::path& file : files_below(base)) {
+    if (!fs::is_regular_file(file, ignored)) continue;
+    if (all || file == output_ || fs::last_write_time(file, ignored) >= begun_) files.push_back(file);
+  }
+  return files;
+}
+
+Result<void> Job::finish() {
+  std::string mark;
+  for (const fs::path& file : output_files()) {
+    const auto bytes = read_file(file);
+    if (!bytes) return bytes.error();
+    const std::string name = file.lexically_relative(output_.parent_path()).string();
+    const size_t query = place_ ? place_->name.find('?') : std::string::npos;
+    if (place_) {
+      // A presigned address is for its own object only.
+      const bool own = file == output_ && query != std::string::npos;
+      if (auto put = place_->store->put(own ? place_->name : name, *bytes); !put) return put;
+    }
+    mark += std::to_string(bytes->size()) + " " + content_hash(*bytes) + " " + name + "\n";
+  }
+  if (checkpoints_) {
+    if (auto put = checkpoints_->put(object(".done"), std::as_bytes(std::span(mark))); !put) return put;
+  }
+  if (metrics_) metrics_->finished = true;
+  return {};
+}
+
+void Job::progress(size_t done, size_t total) {
+  if (!metrics_) return;
+  metrics_->steps_done = done;
+  metrics_->steps = total;
+}
+
+int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<fs::path*> inputs,
+               fs::path* output, const std::function<int(Job& job)>& run) {
+  auto job = Job::begin(command, options);
+  if (!job) return report_job(job.error());
+  for (fs::path* input : inputs) {
+    auto local = (*job)->input(*input);
+    if (!local) return report_job(local.error());
+    *input = *std::move(local);
+  }
+  const std::string shown = output ? shown_url(output->string()) : "";
+  if (output && !output->empty()) {
+    auto local = (*job)->output(*output);
+    if (!local) return report_job(local.error());
+    *output = *std::move(local);
+    const auto finished = (*job)->finished();
+    if (!finished) return report_job(finished.error());
+    if (*finished) {
+      std::printf("%s: is done already\n", shown.c_str());
+      return 0;
+    }
+  }
+  if (const int code = run(**job); code != 0) return code;
+  if (!output || output->empty()) return 0;
+  if (auto stored = (*job)->finish(); !stored) return report_job(stored.error());
+  return 0;
+}
+
+}  // namespace livegs

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cli/job/job_metrics.h"
+#include "core/result.h"
+#include "session/stored/stored_scene.h"
+#include "store/object_store.h"
+
+namespace livegs {
+
+// Exit codes of a job in addition to those of a command (cli/commands.h): a repetition may succeed, because
+// the store was not reachable or the machine took the process away. EX_TEMPFAIL of sysexits.h.
+inline constexpr int kRetryExit = 75;
+
+struct JobOptions {
+  std::string checkpoints;  // place of the states and of the marks of finished jobs; empty: none
+  std::string metrics;      // [HOST:]PORT; empty: none
+};
+// Adds --checkpoints and --metrics.
+void add_job_options(CLI::App& command, JobOptions& options);
+
+// A command whose inputs and outputs may be addresses (http://, https://, s3://), and that continues after
+// its process was killed. One thread, except for progress().
+//
+//   input     a file; a NAME.zip of a folder; a NAME.scene.json of livegs publish. Fetched into a temporary
+//   folder output    a file or folder, written into the temporary folder and stored at the end state     in
+//   the checkpoints: two objects in turn, so that one of them is whole, each with its own hash mark      in
+//   the checkpoints: the hash and size of every output. A job whose outputs exist is done
+//
+// State and mark belong to the bytes of the inputs, the options and the version: others are not used.
+class Job {
+ public:
+  // `command`: with all its options parsed.
+  static Result<std::unique_ptr<Job>> begin(const CLI::App& command, const JobOptions& options);
+  ~Job();
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  // The local path of an input; an empty path stays empty.
+  Result<std::filesystem::path> input(const std::filesystem::path& given);
+  // The local path to write. One call for a job, after the inputs.
+  Result<std::filesystem::path> output(const std::filesystem::path& given);
+
+  // Whether an earlier run has finished this job.
+  Result<bool> finished();
+  bool keeps_state() const { return checkpoints_ != nullptr; }
+  // The newest whole state, if there is one.
+  Result<std::optional<std::vector<std::byte>>> last_state();
+  // `step`: larger than that of the state before.
+  Result<void> keep_state(size_t step, std::span<const std::byte> state);
+  // Stores the outputs and the mark, and removes nothing.
+  Result<void> finish();
+
+  // For --metrics. Any thread.
+  void progress(size_t done, size_t total);
+
+ private:
+  Job() = default;
+  void add_to_key(const std::string& text) { key_text_ += text + "\n"; }
+  Result<void> add_file_to_key(const std::filesystem::path& path);
+  std::string object(const char* ending) const;  // name in the checkpoints
+  std::vector<std::filesystem::path> output_files() const;
+
+  std::filesystem::path folder_;  // temporary
+  std::vector<std::unique_ptr<StoredScene>> scenes_;
+  std::shared_ptr<ObjectStore> checkpoints_;
+  std::string key_text_;
+  std::filesystem::path output_;  // local
+  std::filesystem::file_time_type
+      begun_{};                       // older files of a local output folder are not outputs of this run
+  std::optional<ObjectPlace> place_;  // of the output, if it is an address
+  size_t next_slot_ = 0, inputs_ = 0;
+  std::unique_ptr<JobMetrics> metrics_;
+};
+
+// Exit code for an error: kRetryExit if a repetition may succeed, else as report(). Prints the error.
+int report_job(const Error& error);
+
+// Runs a command as a job: begins it, replaces the addresses by local paths, and stores the outputs.
+// `inputs`, `output`: paths of the command's options, null or empty if not given. `run` gives the exit code.
+int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<std::filesystem::path*> inputs,
+               std::filesystem::path* output, const std::function<int(Job& job)>& run);
+
+}  // namespace livegs

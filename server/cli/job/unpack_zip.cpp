@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/job/unpack_zip.h"
+
+#include <zip.h>
+
+#include <fstream>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/text/shown_text.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CloseArchive {
+  void operator()(zip_t* zip) const { zip_discard(zip); }
+  void operator()(zip_file_t* file) const { zip_fclose(file); }
+};
+
+bool stays_inside(const fs::path& name) {
+  if (name.empty() || name.is_absolute()) return false;
+  for (const fs::path& part : name) {
+    if (part == "..") return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
+  const std::string shown = path.filename().string();
+  int code = 0;
+  const std::unique_ptr<zip_t, CloseArchive> zip(zip_open(path.c_str(), ZIP_RDONLY, &code));
+  if (!zip) return invalid_data(shown + ": is not a valid .zip");
+  std::set<fs::path> tops;
+  bool top_files = false;
+  uint64_t total = 0;
+  std::vector<char> piece(1 << 20);
+  const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
+  for (zip_int64_t i = 0; i < count; ++i) {
+    const char* raw = zip_get_name(zip.get(), static_cast<zip_uint64_t>(i), 0);
+    const std::string name = raw ? raw : "";
+    if (!stays_inside(name))
+      return invalid_data(shown + ": \"" + shown_text(name, 80) + "\" leads out of its folder");
+    const fs::path to = folder / name;
+    std::error_code failed;
+    const bool is_folder = name.ends_with('/');
+    fs::create_directories(is_folder ? to : to.parent_path(), failed);
+    if (failed) return Error{ErrorCode::Internal, to.string() + ": cannot be created: " + failed.message()};
+    tops.insert(*fs::path(name).begin());
+    if (is_folder) continue;
+    if (!fs::path(name).has_parent_path()) top_files = true;
+    const std::unique_ptr<zip_file_t, CloseArchive> file(
+        zip_fopen_index(zip.get(), static_cast<zip_uint64_t>(i), 0));
+    if (!file) return invalid_data(shown + ": " + shown_text(name, 80) + ": cannot be unpacked");
+    std::ofstream out(to, std::ios::binary | std::ios::trunc);
+    for (;;) {
+      const zip_int64_t got = zip_fread(file.get(), piece.data(), piece.size());
+      if (got < 0) return invalid_data(shown + ": " + shown_text(name, 80) + ": is damaged");
+      if (got == 0) break;
+      total += static_cast<uint64_t>(got);
+      if (total > kMaxUnpackedBytes)
+        return Error{ErrorCode::TooLarge, shown + ": has more than 64 GiB of files"};
+      out.write(piece.data(), got);
+    }
+    out.flush();
+    if (!out) return Error{ErrorCode::Internal, to.string() + ": cannot be written"};
+  }
+  if (count <= 0) return invalid_data(shown + ": is empty");
+  return top_files || tops.size() != 1 ? folder : folder / *tops.begin();
+}
+
+}  // namespace livegs
