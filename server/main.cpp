@@ -54,7 +54,7 @@ struct Options {
   std::string tls = "auto";
   std::string state_dir, certificate, key;
   std::vector<std::string> allowed_origins;
-  std::optional<int> metrics_port;
+  std::optional<livegs::HostPort> metrics;
   std::optional<double> client_mbit_s;
   size_t clients = livegs::kDefaultSessions;
   std::string log_format = "text";
@@ -331,14 +331,14 @@ int run(const Options& options) {
   }
   // Before clients can join, so that a port in use ends the server without disconnecting them.
   std::unique_ptr<Metrics> metrics;
-  if (options.metrics_port) {
+  if (options.metrics) {
     auto served =
-        Metrics::serve(*options.metrics_port, {(*server)->session_table(), [&] { return loop.summary(); },
-                                               [&] { return (*server)->published(); },
-                                               [&] { return (*server)->asset_bytes_sent(); }});
+        Metrics::serve(*options.metrics, {(*server)->session_table(), [&] { return loop.summary(); },
+                                          [&] { return (*server)->published(); },
+                                          [&] { return (*server)->asset_bytes_sent(); }});
     if (!served) return report(served.error());
     metrics = std::move(*served);
-    log_info("metrics: http://127.0.0.1:%d/metrics", metrics->port());
+    log_info("metrics: %s", metrics->url().c_str());
   }
   (*server)->open(loop.scene(), loop);
   (*server)->open_analysis(analysis);
@@ -456,10 +456,16 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "Stop after this time; 0: run until stopped (default: 0)")
       ->check(CLI::NonNegativeNumber);
-  app.add_option(
-         "--metrics", options.metrics_port,
-         "Serve Prometheus metrics on this port of 127.0.0.1; 0 lets the system choose (default: off)")
-      ->check(CLI::Range(0, 65535));
+  app.add_option_function<std::string>(
+         "--metrics",
+         [&options](const std::string& text) { options.metrics = *livegs::parse_metrics_address(text); },
+         "Serve Prometheus metrics on this port of 127.0.0.1, or at this address, in clear text; port 0 lets "
+         "the "
+         "system choose (default: off)")
+      ->check([](const std::string& text) {
+        const auto where = livegs::parse_metrics_address(text);
+        return where ? std::string() : where.error().message;
+      });
   app.add_option(
          "--client-mbit-s", options.client_mbit_s,
          "Bandwidth limit per client in Mbit/s, of frames and assets together; the least visible objects "
@@ -559,8 +565,9 @@ int main(int argc, char** argv) {
       {{"--fleet", ""}, {"--fleet-empty-s", "SECONDS"}, {"--fleet-key", "FILE"}, {"--server-name", "NAME"}});
   group_options(app, "Recording",
                 {{"--record", "FILE"}, {"--record-inputs-only", ""}, {"--record-assets", ""}});
-  group_options(app, "Monitoring",
-                {{"--metrics", "PORT"}, {"--log-format", ""}, {"--print-port", ""}, {"--verbose", ""}});
+  group_options(
+      app, "Monitoring",
+      {{"--metrics", "[HOST:]PORT"}, {"--log-format", ""}, {"--print-port", ""}, {"--verbose", ""}});
   group_options(app, "Analysis by a model",
                 {{"--offline", ""},
                  {"--endpoint", "URL"},

@@ -198,30 +198,41 @@ class Collector final : public prometheus::Collectable {
 
 }  // namespace
 
+Result<HostPort> parse_metrics_address(const std::string& text) {
+  const bool only_port = text.find(':') == std::string::npos;
+  auto where = parse_host_port(only_port ? "127.0.0.1:" + text : text);
+  if (!where)
+    return invalid_argument("\"" + text + "\" must be PORT or HOST:PORT with a port from 0 to 65535");
+  return where;
+}
+
 struct Metrics::Parts {
   std::shared_ptr<Collector> collector;
+  std::string host;
   std::unique_ptr<prometheus::Exposer> exposer;
 };
 
 Metrics::Metrics(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Metrics::~Metrics() = default;
 
-Result<std::unique_ptr<Metrics>> Metrics::serve(int port, Sources sources) {
+Result<std::unique_ptr<Metrics>> Metrics::serve(const HostPort& where, Sources sources) {
+  const std::string address = where.host + ":" + std::to_string(where.port);
   auto parts = std::make_unique<Parts>();
+  parts->host = where.host;
   parts->collector = std::make_shared<Collector>(std::move(sources));
   try {
-    parts->exposer = std::make_unique<prometheus::Exposer>("127.0.0.1:" + std::to_string(port), 1);
+    parts->exposer = std::make_unique<prometheus::Exposer>(address, 1);
   } catch (const std::exception&) {  // civetweb gives no reason
-    return Error{ErrorCode::Unavailable, "metrics: cannot listen on 127.0.0.1:" + std::to_string(port) +
+    return Error{ErrorCode::Unavailable, "metrics: cannot listen on " + address +
                                              ": the port is in use; give another with --metrics PORT"};
   }
   parts->exposer->RegisterCollectable(parts->collector);
   return std::unique_ptr<Metrics>(new Metrics(std::move(parts)));
 }
 
-int Metrics::port() const {
+std::string Metrics::url() const {
   const auto ports = parts_->exposer->GetListeningPorts();
-  return ports.empty() ? 0 : ports.front();
+  return "http://" + parts_->host + ":" + std::to_string(ports.empty() ? 0 : ports.front()) + "/metrics";
 }
 
 }  // namespace livegs

@@ -125,6 +125,22 @@ TEST_F(Programs, ReportsMetricsPortInUse) {
   ::close(taken);
 }
 
+TEST_F(Programs, ServesMetricsOnAnyAddressOfTheMachine) {
+  Program server(server_words({"--metrics", "0.0.0.0:0"}));
+  ASSERT_NE(server.first_line(), "") << server.err();
+  const std::string url = "http://0.0.0.0:";
+  ASSERT_TRUE(server.says(url)) << server.err();
+  const std::string said = server.err();
+  const auto values = metrics_at(std::atoi(said.c_str() + said.find(url) + url.size()));
+  EXPECT_EQ(values.count("livegs_serving"), 1u);
+  for (const char* bad : {"65536", "0.0.0.0:", "0.0.0.0:port", ""}) {
+    Program refused(server_words({"--metrics", bad}));
+    EXPECT_EQ(refused.wait(), 2) << bad;
+    EXPECT_NE(refused.err().find("--metrics: "), std::string::npos) << refused.err();
+    EXPECT_NE(refused.err().find("must be PORT or HOST:PORT"), std::string::npos) << refused.err();
+  }
+}
+
 // The next datagram; empty if none arrives.
 std::string next_notice(int socket) {
   pollfd news{socket, POLLIN, 0};
