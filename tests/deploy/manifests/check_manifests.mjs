@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// node check_manifests.mjs MODULES FOLDER: validates the Kubernetes manifests of FOLDER, and what each of its
+// node check_manifests.mjs MODULES FOLDER [PROGRAMS]: validates the Kubernetes manifests of FOLDER, and what each of its
 // kustomizations makes of them, with the packages in MODULES/node_modules. Kubernetes' own kinds and ServiceMonitor:
 // kubernetes-models and @kubernetes-models/prometheus-operator; kinds of Agones: agones.schema.json here. Prints each
 // error as "file: kind/name: field: problem"; the exit code is 1 if there is one. Of kustomize, the keys resources,
-// namespace, images and patches (JSON 6902) are supported; another key is an error.
+// namespace, images and patches (JSON 6902) are supported; another key is an error. With a folder of programs, each option of
+// a container's args must be in the help of its program.
+import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { createRequire } from 'node:module';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
-const [modules, folder] = process.argv.slice(2);
+const [modules, folder, programs] = process.argv.slice(2);
 const packages = path.join(path.resolve(modules), 'node_modules');
 const required = createRequire(path.join(path.resolve(modules), 'package.json'));
 const yaml = required('yaml');
@@ -100,6 +102,21 @@ function check(where, object) {
   if (!validate) return report(where, `${kind}: no schema for this kind; add one to check_manifests.mjs`);
   const errors = validate.agones ? agonesErrors(validate.agones, object) : errorsOf(validate, object);
   for (const error of errors) report(where, `${name}: ${error}`);
+  if (programs) checkOptions(where, name, object);
+}
+// Without a command, a container runs the image's entry point, livegs-server. The first argument of livegs is its command.
+const helps = new Map();
+function checkOptions(where, name, object) {
+  const pod = object.kind === 'Fleet' ? object.spec.template.spec.template.spec : object.kind === 'Job' && object.spec.template.spec;
+  for (const { command = ['livegs-server'], args = [] } of pod ? pod.containers : []) {
+    const words = [command[0], ...(command[0] === 'livegs' && !args[0].startsWith('-') ? [args[0]] : [])];
+    const key = words.join(' ');
+    if (!helps.has(key))
+      helps.set(key, execFileSync(path.join(path.resolve(programs), words[0]), [...words.slice(1), '--help'], { encoding: 'utf8' }));
+    for (const option of args.filter((word) => word.startsWith('--')).map((word) => word.split('=')[0])) {
+      if (!helps.get(key).split(/[\s,]+/).includes(option)) report(where, `${name}: ${option}: ${key} has no such option`);
+    }
+  }
 }
 
 function documents(file) {
