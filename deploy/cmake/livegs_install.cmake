@@ -10,7 +10,7 @@ endforeach()
 install(FILES deploy/livegs-server.service DESTINATION lib/systemd/system)
 install(FILES LICENSE DESTINATION ${LIVEGS_PAGES})
 install(FILES server/LICENSE DESTINATION ${LIVEGS_PAGES}/server)
-install(DIRECTORY deploy/pictures DESTINATION ${LIVEGS_PAGES}/deploy)
+install(DIRECTORY deploy/pictures deploy/kubernetes DESTINATION ${LIVEGS_PAGES}/deploy)
 install(DIRECTORY tests/bench/results DESTINATION ${LIVEGS_PAGES}/tests/bench)
 install(FILES tests/known_gaps.csv DESTINATION ${LIVEGS_PAGES}/tests)
 file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} client/*.md common/*.md deploy/*.md prompts/*.md proto/*.md

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "store/http_client.h"
 #include "analysis/text/json_text.h"
 #include "core/text/shown_text.h"
+#include "store/http_client.h"
 
 namespace livegs {
 namespace {

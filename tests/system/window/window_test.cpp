@@ -552,7 +552,7 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   std::vector<std::string> words = server_words();
   std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port_);
   Program again(words);
-  EXPECT_TRUE(window.says("a restarted server")) << window.err();
+  EXPECT_TRUE(window.says("to a new server")) << window.err();
   EXPECT_TRUE(again.says("streaming to")) << again.err();
   // The first pictures may be at a lower resolution.
   const auto back = shot(newest, [&](const Image& image) {
