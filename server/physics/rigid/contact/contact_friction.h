@@ -135,15 +135,16 @@ InPlane<Real> ContactFriction<Real>::solve(int count, const std::array<Real, kMa
   const Real about_centre = wanted.turn - centre_x * wanted.y + centre_y * wanted.x;
   const Real turn = twists ? about_centre / spread : Real{};
   std::array<Real, kMaxManifoldPoints> share_x, share_y;
-  auto sticks = twists;
+  auto sticks = limit > 0.0 ? twists : limit <= 0.0;  // without load nothing is lacking
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<size_t>(i);
     share_x[at] = each * wanted.x - turn * (points[at].y_m - centre_y);
     share_y[at] = each * wanted.y + turn * (points[at].x_m - centre_x);
     const auto within = share_x[at] * share_x[at] + share_y[at] * share_y[at] <= 1.0;
-    sticks = sticks & (limits_n_s[at] > 0.0 ? within : twists);
+    sticks = sticks & (limits_n_s[at] > 0.0 ? within : limits_n_s[at] <= 0.0);
   }
-  if (!FrictionMath<Real>::every(sticks)) slide(count, limits_n_s, slip - response_ * impulse);
+  const bool all_stick = FrictionMath<Real>::every(sticks);
+  if (!all_stick) slide(count, limits_n_s, slip - response_ * impulse);
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<size_t>(i);
     points[at].x_n_s = sticks ? limits_n_s[at] * share_x[at] : points[at].x_n_s;
