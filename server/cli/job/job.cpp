@@ -2,9 +2,11 @@
 #include "cli/job/job.h"
 
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <set>
@@ -297,10 +299,15 @@ void Job::progress(size_t done, size_t total) {
   metrics_->steps = total;
 }
 
+// A program that is the first process of a container ignores signals without a handler.
+extern "C" void end_evicted_job(int) { ::_exit(kRetryExit); }
+
 int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<fs::path*> inputs,
                fs::path* output, const std::function<int(Job& job)>& run) {
   auto job = Job::begin(command, options);
   if (!job) return report_job(job.error());
+  if (!options.checkpoints.empty())
+    std::signal(SIGTERM, end_evicted_job);  // until a command stores its state
   for (fs::path* input : inputs) {
     auto local = (*job)->input(*input);
     if (!local) return report_job(local.error());

@@ -33,10 +33,11 @@ void add_job_options(CLI::App& command, JobOptions& options);
 // A command whose inputs and outputs may be addresses (http://, https://, s3://), and that continues after
 // its process was killed. One thread, except for progress().
 //
-//   input     a file; a NAME.zip of a folder; a NAME.scene.json of livegs publish. Fetched into a temporary
-//   folder output    a file or folder, written into the temporary folder and stored at the end state     in
-//   the checkpoints: two objects in turn, so that one of them is whole, each with its own hash mark      in
-//   the checkpoints: the hash and size of every output. A job whose outputs exist is done
+// - Input: a file, a NAME.zip of a folder, or a NAME.scene.json of livegs publish. Fetched into a temporary
+//   folder.
+// - Output: a file or folder, written into the temporary folder and stored at the end.
+// - State, in the checkpoints: two objects in turn, so that one of them is whole, each with its own hash.
+// - Mark, in the checkpoints: the hash and size of every output. A job whose outputs exist is done.
 //
 // State and mark belong to the bytes of the inputs, the options and the version: others are not used.
 class Job {

@@ -202,7 +202,8 @@ Result<HostPort> parse_metrics_address(const std::string& text) {
   const bool only_port = text.find(':') == std::string::npos;
   auto where = parse_host_port(only_port ? "127.0.0.1:" + text : text);
   if (!where)
-    return invalid_argument("\"" + text + "\" must be PORT or HOST:PORT with a port from 0 to 65535");
+    return invalid_argument("metrics address \"" + text +
+                            "\": is not valid; give PORT or HOST:PORT with a port from 0 to 65535");
   return where;
 }
 

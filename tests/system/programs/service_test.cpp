@@ -137,7 +137,7 @@ TEST_F(Programs, ServesMetricsOnAnyAddressOfTheMachine) {
     Program refused(server_words({"--metrics", bad}));
     EXPECT_EQ(refused.wait(), 2) << bad;
     EXPECT_NE(refused.err().find("--metrics: "), std::string::npos) << refused.err();
-    EXPECT_NE(refused.err().find("must be PORT or HOST:PORT"), std::string::npos) << refused.err();
+    EXPECT_NE(refused.err().find("give PORT or HOST:PORT"), std::string::npos) << refused.err();
   }
 }
 
