@@ -220,9 +220,10 @@ livegs::Result<std::unique_ptr<livegs::FleetMember>> join_fleet(const Options& o
 // Empty if `text` is an address that clients may fetch from, else the reason.
 std::string check_store(const std::string& text) {
   const bool good = (text.starts_with("http://") || text.starts_with("https://")) &&
-                    text.find_first_of(" ?#;,'\"") == std::string::npos;
+                    text.find_first_of(" ?#;,@'\"") == std::string::npos;
   return good ? ""
-              : livegs::shown_url(text) + ": is not a store for clients; give an http:// or https:// address";
+              : livegs::shown_url(text) +
+                    ": is not a store for clients; give an http:// or https:// address without a user";
 }
 
 int run(const Options& options) {

@@ -131,12 +131,15 @@ void sign(Transfer& transfer, const AwsKeys& keys) {
     add(line += keys.session_token.reveal());
     wipe(line);
   }
+  // Without this method, libcurl would send the keys themselves.
+  if (curl_easy_setopt(transfer.easy, CURLOPT_AWS_SIGV4, ("aws:amz:" + keys.region + ":s3").c_str()) !=
+      CURLE_OK)
+    return;
   std::string pair = keys.access_key + ":";
   pair.reserve(pair.size() + keys.secret_key.reveal().size() + 1);
   pair += keys.secret_key.reveal();
   curl_easy_setopt(transfer.easy, CURLOPT_USERPWD, pair.c_str());
   wipe(pair);
-  curl_easy_setopt(transfer.easy, CURLOPT_AWS_SIGV4, ("aws:amz:" + keys.region + ":s3").c_str());
 }
 
 void prepare(Transfer& transfer) {

@@ -102,8 +102,10 @@ class Binder {
   // From the store, resumed by ranges. Throws if it fails or its bytes have another hash.
   async loadStored(asset, cache, path) {
     const { core, store } = this, fetched = [], plain = [];
+    let held = null; // the last chunk: no asset is whole before its hash is known
     const inflater = new Inflater((chunk) => {
-      this.take(asset, chunk);
+      if (held) this.take(asset, held);
+      held = chunk;
       if (cache) plain.push(chunk);
     });
     let have = 0, failures = 0;
@@ -140,6 +142,7 @@ class Binder {
     }
     if (await sha256(new Blob(fetched)) !== store.hashes[asset.hash]) throw new Error('its bytes have another hash');
     await inflater.end();
+    if (held) this.take(asset, held);
     if (!core.call.asset_complete(asset.number)) throw new Error('its bytes are incomplete');
     await cache?.put(path, new Response(new Blob(plain), { headers: { 'content-length': String(asset.arrived) } })).catch(() => {});
   }
