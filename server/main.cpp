@@ -278,16 +278,17 @@ int run(const Options& options) {
   std::optional<StoredScene> stored;
   std::string scene_path = options.scene;
   if (!options.asset_store.empty() || is_store_url(options.scene)) {
-    auto fetched = StoredScene::fetch(options.scene, options.asset_store);
-    if (!fetched) return report(fetched.error());
-    stored.emplace(*std::move(fetched));
-    scene_path = stored->path();
     const std::string place = client_store(options);
     if (place.empty())
       log_info(
           "store: clients fetch assets from this server; give --client-store URL to have them fetched there");
     else
-      (*server)->use_store({place + "/assets", stored->assets()});
+      (*server)->allow_store(place);
+    auto fetched = StoredScene::fetch(options.scene, options.asset_store);
+    if (!fetched) return report(fetched.error());
+    stored.emplace(*std::move(fetched));
+    scene_path = stored->path();
+    if (!place.empty()) (*server)->use_store({place + "/assets", stored->assets()});
   }
   auto text = options.fresh ? new_scene(scene_path) : read_scene(scene_path, options.drop);
   if (!text) return report(text.error());
@@ -460,9 +461,9 @@ int main(int argc, char** argv) {
   app.add_option_function<std::string>(
          "--metrics",
          [&options](const std::string& text) { options.metrics = *livegs::parse_metrics_address(text); },
-         "Serve Prometheus metrics on this port of 127.0.0.1, or at this address, in clear text; port 0 lets "
-         "the "
-         "system choose (default: off)")
+         "Serve Prometheus metrics on this port of 127.0.0.1, or at this address, in clear text; with port "
+         "0, "
+         "the system chooses (default: off)")
       ->check([](const std::string& text) {
         const auto where = livegs::parse_metrics_address(text);
         return where ? std::string() : where.error().message;

@@ -207,7 +207,7 @@ class HttpStore final : public ObjectStore {
       case HttpReply::End::Complete:
         break;
       case HttpReply::End::BadUrl:
-        return invalid_argument(object + "is not a valid address");
+        return invalid_argument(object + "is not a valid address; check its characters");
       case HttpReply::End::BadTls:
         return {ErrorCode::PermissionDenied,
                 object + "the certificate of the store is not valid: " + reply.message};
@@ -304,7 +304,8 @@ Result<std::shared_ptr<ObjectStore>> ObjectStore::open(const std::string& given,
     return invalid_argument(shown_url(place) + ": a store has no query; give the address of a folder");
   if (place.starts_with("s3://")) return open_bucket(place, times);
   const std::size_t host = place.find("://") + 3;
-  if (host >= place.size() || place[host] == '/') return invalid_argument(place + ": names no host");
+  if (host >= place.size() || place[host] == '/')
+    return invalid_argument(place + ": names no host; give http://HOST/PATH");
   return std::shared_ptr<ObjectStore>(
       std::make_shared<HttpStore>(place, shown_url(place), std::nullopt, times));
 }

@@ -69,10 +69,16 @@ Result<std::unique_ptr<WebServer>> WebServer::start(WebBackend& backend, const s
 }
 
 void WebServer::allow_origins(std::vector<std::string> origins) {
-  parts_->shared.origins = std::move(origins);
+  asio::post(parts_->shared.io, [&shared = parts_->shared, origins = std::move(origins)]() mutable {
+    shared.origins = std::move(origins);
+  });
 }
 
-void WebServer::connect_to(std::string origin) { parts_->shared.store_origin = std::move(origin); }
+void WebServer::connect_to(std::string origin) {
+  asio::post(parts_->shared.io, [&shared = parts_->shared, origin = std::move(origin)]() mutable {
+    shared.store_origin = std::move(origin);
+  });
+}
 
 void WebServer::take(int socket, bool tls) {
   asio::post(parts_->shared.io, [this, socket, tls] {

@@ -61,10 +61,11 @@ class WebServer {
   WebServer& operator=(const WebServer&) = delete;
 
   // Sites ("https://example.org") whose pages may show the scene in a frame (page/livegs-view.js). They get
-  // no access to calls, assets or the stream. Before the first take().
+  // no access to calls, assets or the stream. For pages that are requested later. Any thread.
   void allow_origins(std::vector<std::string> origins);
 
-  // Another origin to which the page may connect: that of an asset store. Before the first take().
+  // Another origin to which the page may connect: that of an asset store. For pages that are requested
+  // later. Any thread.
   void connect_to(std::string origin);
 
   // Takes over a connected socket. `tls`: its first bytes are a TLS handshake. Any thread.

@@ -13,7 +13,9 @@ import { Core } from './core.js';
 
 const kFetches = 4, kRetryPause_ms = 150, kLoading_ms = 100, kCacheName = 'livegs-assets-1';
 const kStoreAttempts = 5; // without a byte, before the asset is fetched from the server
+const kStoreStall_ms = 5000; // without a byte, after which an attempt ends; larger: a silent store holds up the scene
 class CutError extends Error {}
+class StoreError extends Error {} // of the whole store, not of one object
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 class Binder {
@@ -22,8 +24,10 @@ class Binder {
   }
 
   describe({ description, rest, session, store, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes }) {
+    if (session !== this.session) this.failedStore = null;
     this.session = session;
-    this.store = store?.url ? store : null;
+    const mixed = globalThis.location?.protocol === 'https:' && store?.url?.startsWith('http:'); // browsers refuse it
+    this.store = store?.url && !mixed && store.url !== this.failedStore ? store : null;
     const asset = this.request(asset_hash, asset_bytes, false);
     if (broken_asset_hash) this.request(broken_asset_hash, broken_asset_bytes, true);
     if (rest) {
@@ -111,10 +115,13 @@ class Binder {
     let have = 0, failures = 0;
     for (let total = Infinity; have < total;) {
       let reply = null;
+      const ending = new AbortController();
+      let stall = setTimeout(() => ending.abort(), kStoreStall_ms);
       try {
-        reply = await fetch(`${store.url}/${asset.hash}.web`, { credentials: 'omit', ...(have > 0 ? { headers: { range: `bytes=${have}-` } } : {}) });
+        reply = await fetch(`${store.url}/${asset.hash}.web`, { credentials: 'omit', signal: ending.signal, ...(have > 0 ? { headers: { range: `bytes=${have}-` } } : {}) });
       } catch { /* tried again */ }
       const passing = !reply || reply.status >= 500 || reply.status === 429 || reply.status === 408;
+      if (reply?.status === 401 || reply?.status === 403) throw new StoreError(`status ${reply.status}`);
       if (!passing && reply.status !== 206 && reply.status !== 200) throw new Error(`status ${reply.status}`);
       const begun = have;
       if (!passing) {
@@ -124,6 +131,8 @@ class Binder {
         try {
           let broken = null;
           await eachChunk(reply.body, async (all) => {
+            clearTimeout(stall);
+            stall = setTimeout(() => ending.abort(), kStoreStall_ms);
             postMessage({ type: 'received', bytes: all.length });
             const chunk = all.subarray(Math.min(skip, all.length));
             skip -= all.length - chunk.length;
@@ -136,8 +145,9 @@ class Binder {
           if (!(error instanceof CutError)) throw error;
         }
       }
+      clearTimeout(stall);
       failures = have > begun ? 0 : failures + 1;
-      if (failures > kStoreAttempts) throw new Error(reply ? `status ${reply.status}` : 'no connection');
+      if (failures > kStoreAttempts) throw new StoreError(reply ? `status ${reply.status}` : 'no connection');
       if (have < total) await sleep(kRetryPause_ms);
     }
     if (await sha256(new Blob(fetched)) !== store.hashes[asset.hash]) throw new Error('its bytes have another hash');
@@ -167,12 +177,17 @@ class Binder {
       await cache.delete(path);
       restart();
     }
-    if (this.store?.hashes[asset.hash]) {
+    const { store } = this;
+    if (store?.hashes[asset.hash]) {
       try {
         return await this.loadStored(asset, cache, path);
       } catch (error) {
         if (error instanceof WebAssembly.RuntimeError) throw error;
-        console.warn(`asset ${asset.hash.slice(0, 12)}: ${this.store.url}: ${error.message}; fetching it from the server`);
+        console.warn(`asset ${asset.hash.slice(0, 12)}: ${store.url}: ${error.message}; fetching it from the server`);
+        if (error instanceof StoreError) { // for the other assets too
+          this.failedStore = store.url;
+          this.store = null;
+        }
         restart();
       }
     }

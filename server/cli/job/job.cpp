@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kStateHead = "livegs-state ";
 // Options that do not change the bytes of the outputs.
-const std::set<std::string> kNoPartOfTheJob{"--checkpoints", "--metrics", "--resume", "--help", "--device"};
+const std::set<std::string> kNoPartOfTheJob{"--checkpoints", "--metrics", "--resume", "--help"};
 
 std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -120,6 +120,9 @@ Result<std::unique_ptr<Job>> Job::begin(const CLI::App& command, const JobOption
     job->add_to_key(name);
     for (const std::string& value : option->results()) job->add_to_key("  " + shown_url(value));
   }
+  for (const char* name : {"OPENAI_BASE_URL", "LIVEGS_MODEL"}) {  // defaults of options
+    if (const char* value = std::getenv(name)) job->add_to_key(std::string(name) + "  " + value);
+  }
   return job;
 }
 
@@ -162,15 +165,25 @@ Result<fs::path> Job::input(const fs::path& given) {
     const auto read =
         place->store->read(place->name, 0, [&](uint64_t, std::span<const std::byte> bytes) -> Result<void> {
           out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-          if (!out) return Error{ErrorCode::Internal, local.string() + ": cannot be written"};
+          if (!out)
+            return Error{ErrorCode::Internal,
+                         local.string() + ": cannot be written; free space or set TMPDIR"};
           return {};
         });
     out.close();
     if (!read) return read.error();
+    if (!out)
+      return Error{ErrorCode::Internal, local.string() + ": cannot be written; free space or set TMPDIR"};
     if (auto added = add_file_to_key(local); !added) return added.error();
     if (!has_ending(local.string(), ".zip")) return local;
     return unpack_zip(local, into / "unpacked");
   }
+  // A change of the files that it names would not be seen.
+  if (checkpoints_ && (has_ending(text, ".scene.json") || has_ending(text, ".gltf") ||
+                       local.filename().string().starts_with("transforms")))
+    return invalid_argument(text +
+                            ": names other files, which --checkpoints cannot follow; give the folder, or "
+                            "the address of a scene that livegs publish stored");
   if (auto added = add_file_to_key(local); !added) return added.error();
   return local;
 }
@@ -208,16 +221,18 @@ Result<bool> Job::finished() {
     std::string hash, name;
     words >> bytes >> hash >> std::ws;
     std::getline(words, name);
-    std::optional<uint64_t> there;
-    if (place_) {
-      const auto size = place_->store->size(name);
-      if (!size) return size.error();
-      there = *size;
+    std::string there;
+    if (place_ && place_->name.find('?') != std::string::npos) {
+      there = hash;  // a presigned address is for writing only
+    } else if (place_) {
+      const auto object_bytes = place_->store->get(name);
+      if (!object_bytes && object_bytes.error().code != ErrorCode::NotFound) return object_bytes.error();
+      if (object_bytes) there = content_hash(*object_bytes);
     } else {
-      const auto now = hash_of_file(output_.parent_path() / name);
-      if (now && *now == hash) there = bytes;
+      const auto kept = hash_of_file(output_.parent_path() / name);
+      if (kept) there = *kept;
     }
-    if (there != bytes) return false;
+    if (there != hash) return false;
   }
   return found > 0;
 }
@@ -286,7 +301,7 @@ Result<void> Job::finish() {
     }
     mark += std::to_string(bytes->size()) + " " + content_hash(*bytes) + " " + name + "\n";
   }
-  if (checkpoints_) {
+  if (checkpoints_ && !cut_short_) {
     if (auto put = checkpoints_->put(object(".done"), std::as_bytes(std::span(mark))); !put) return put;
   }
   if (metrics_) metrics_->finished = true;

@@ -63,6 +63,8 @@ class Job {
   // Stores the outputs and the mark, and removes nothing.
   Result<void> finish();
 
+  // A person ended the work early: its outputs are stored, but the job is not done.
+  void cut_short() { cut_short_ = true; }
   // For --metrics. Any thread.
   void progress(size_t done, size_t total);
 
@@ -83,6 +85,7 @@ class Job {
   std::optional<ObjectPlace> place_;  // of the output, if it is an address
   size_t next_slot_ = 0, inputs_ = 0;
   std::unique_ptr<JobMetrics> metrics_;
+  bool cut_short_ = false;
 };
 
 // Exit code for an error: kRetryExit if a repetition may succeed, else as report(). Prints the error.

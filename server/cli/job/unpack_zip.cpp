@@ -35,7 +35,7 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
   const std::string shown = path.filename().string();
   int code = 0;
   const std::unique_ptr<zip_t, CloseArchive> zip(zip_open(path.c_str(), ZIP_RDONLY, &code));
-  if (!zip) return invalid_data(shown + ": is not a valid .zip");
+  if (!zip) return invalid_data(shown + ": is not a valid .zip; pack the folder again");
   std::set<fs::path> tops;
   bool top_files = false;
   uint64_t total = 0;
@@ -60,7 +60,8 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
     std::ofstream out(to, std::ios::binary | std::ios::trunc);
     for (;;) {
       const zip_int64_t got = zip_fread(file.get(), piece.data(), piece.size());
-      if (got < 0) return invalid_data(shown + ": " + shown_text(name, 80) + ": is damaged");
+      if (got < 0)
+        return invalid_data(shown + ": " + shown_text(name, 80) + ": is damaged; pack the folder again");
       if (got == 0) break;
       total += static_cast<uint64_t>(got);
       if (total > kMaxUnpackedBytes)
@@ -70,7 +71,7 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
     out.flush();
     if (!out) return Error{ErrorCode::Internal, to.string() + ": cannot be written"};
   }
-  if (count <= 0) return invalid_data(shown + ": is empty");
+  if (count <= 0) return invalid_data(shown + ": is empty; pack a folder");
   return top_files || tops.size() != 1 ? folder : folder / *tops.begin();
 }
 

@@ -18,10 +18,11 @@ struct CertificateFiles {
 };
 
 // The identity of a server and its tokens: all files of its state folder. One server at a time uses a folder.
-//   server.key, server.crt   self-signed certificate of an EC key on P-256, created at the first run; key
-//   0600 tokens.json              see token_store.h; 0600 admin.token              token of scope admin, new
-//   at each start, for `livegs ctl` of the folder's owner; 0600 running                  locked while a
-//   server runs; contains its port and the fingerprint of its certificate
+// - server.key, server.crt: self-signed certificate of an EC key on P-256, created at the first run; key
+// 0600.
+// - tokens.json: see token_store.h; 0600.
+// - admin.token: token of scope admin, new at each start, for `livegs ctl` of the folder's owner; 0600.
+// - running: locked while a server runs; contains its port and the fingerprint of its certificate.
 class ServerSecurity {
  public:
   // PermissionDenied if other users may read the files or the folder is not writable. Unavailable if another

@@ -168,10 +168,11 @@ void GrpcServer::allow_origins(std::vector<std::string> origins) {
   parts_->web->allow_origins(std::move(origins));
 }
 
-void GrpcServer::use_store(ClientStore store) {
-  parts_->web->connect_to(store.url.substr(0, store.url.find('/', store.url.find("://") + 3)));
-  parts_->service.set_store(std::move(store));
+void GrpcServer::allow_store(const std::string& url) {
+  parts_->web->connect_to(url.substr(0, url.find('/', url.find("://") + 3)));
 }
+
+void GrpcServer::use_store(ClientStore store) { parts_->service.set_store(std::move(store)); }
 
 uint64_t GrpcServer::asset_bytes_sent() const { return parts_->assets.sent_bytes(); }
 

@@ -42,6 +42,8 @@ class GrpcServer {
 
   // WebServer::allow_origins(); before open().
   void allow_origins(std::vector<std::string> origins);
+  // The address of a store: pages may connect to its origin. Before clients request pages.
+  void allow_store(const std::string& url);
   // The store from which clients fetch the assets that it has. Before open().
   void use_store(ClientStore store);
   uint64_t asset_bytes_sent() const;  // by this server to clients

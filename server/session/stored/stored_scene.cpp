@@ -101,7 +101,8 @@ Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::stri
   std::string name = at->name;
   if (!remote) name = (local.has_filename() ? local : local.parent_path()).filename().string();
   if (remote && !has_ending(name, ".scene.json"))
-    return invalid_argument(shown_url(scene) + ": is not the address of a NAME.scene.json");
+    return invalid_argument(shown_url(scene) +
+                            ": is not the address of a NAME.scene.json; give that of livegs publish");
   ObjectStore& lists = remote ? *at->store : *store;
   const auto list = read_list(lists, without_scene_ending(name) + ".files.json");
   if (!list) return list.error();

@@ -40,9 +40,9 @@ try {
   await page.until('all kernels', () => wanted().length >= 2 && wanted().every((one) => page.kernels.get(one.id)?.count === one.description.kernel_count));
   const own = page.fetches.filter((path) => /\/assets\/[0-9a-f]{64}$/.test(String(path)));
   const stored = [...asked].filter(([name]) => name.endsWith('.web'));
-  assert.ok(stored.length >= 2, `asked of the store: ${JSON.stringify([...asked])}`);
+  assert.ok(stored.length >= (kind === 'refuses' ? 1 : 2), `asked of the store: ${JSON.stringify([...asked])}`);
   if (['good', 'cuts', 'plain'].includes(kind)) assert.equal(own.length, 0, `asked of the server: ${own}`);
-  else assert.equal(own.length, stored.length, 'nothing was asked of the server');
+  else assert.ok(own.length >= Math.max(2, stored.length), `asked of the server: ${own}`);
   if (['cuts', 'plain'].includes(kind)) assert.ok(stored.every(([, count]) => count === 2), JSON.stringify(stored));
   console.log(`${kind}: ${stored.length} assets of the store, ${own.length} fetches from the server`);
 } finally {

@@ -133,6 +133,27 @@ TEST_F(Jobs, AnEvictedSegmentationIsRepeated) {
   EXPECT_EQ(evicted.wait(), kRetryExitCode) << evicted.err();
 }
 
+// The mark has the hash of each output: another object of the same size is not the output.
+TEST_F(Jobs, AnotherObjectInItsPlaceIsNotTheOutput) {
+  Program first(words());
+  ASSERT_EQ(first.wait(), 0) << first.err();
+  const std::string whole = mock_.get("out/room.ply");
+  std::string other = whole;
+  other.back() ^= 1;
+  mock_.set("out/room.ply", other);
+  Program again(words());
+  ASSERT_EQ(again.wait(), 0) << again.err();
+  EXPECT_EQ(again.out().find("is done already"), std::string::npos) << again.out();
+  EXPECT_EQ(mock_.get("out/room.ply"), whole);
+}
+
+TEST_F(Jobs, InputsThatNameOtherFilesAreRefused) {
+  const std::string file = folder_.write("hat.scene.json", "{}");
+  Program job({LIVEGS_TOOL, "analyze", file, "--offline", "--checkpoints", mock_.url() + "/state"});
+  EXPECT_EQ(job.wait(), 2);
+  EXPECT_NE(job.err().find("hat.scene.json: names other files"), std::string::npos) << job.err();
+}
+
 TEST_F(Jobs, ADamagedStateIsNotUsed) {
   Program evicted(words("100000"));
   ASSERT_TRUE(evicted.says_often(" held-out photos, ", 3)) << evicted.err();

@@ -302,8 +302,7 @@ double CellsBody::node_speed_m_s() const {
 // Updates the contacts of rigid bodies that are near, and their candidates. Returns whether the contacts must
 // be found again, by body.
 std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, const SubstepContext& context) {
-  const bool same = keep_contacts(bodies_.rigid, context.bodies);
-  bool valid = same;
+  bool valid = keep_contacts(bodies_.rigid, context.bodies);
   double motion_m = 0.0, fastest_m_s = 0.0;
   std::vector<char> stale;
   for (size_t k = 0; k < context.bodies.size(); ++k) {

@@ -143,8 +143,7 @@ InPlane<Real> ContactFriction<Real>::solve(int count, const std::array<Real, kMa
     const auto within = share_x[at] * share_x[at] + share_y[at] * share_y[at] <= 1.0;
     sticks = sticks & (limits_n_s[at] > 0.0 ? within : limits_n_s[at] <= 0.0);
   }
-  const bool all_stick = FrictionMath<Real>::every(sticks);
-  if (!all_stick) slide(count, limits_n_s, slip - response_ * impulse);
+  if (!FrictionMath<Real>::every(sticks)) slide(count, limits_n_s, slip - response_ * impulse);
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<size_t>(i);
     points[at].x_n_s = sticks ? limits_n_s[at] * share_x[at] : points[at].x_n_s;
