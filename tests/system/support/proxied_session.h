@@ -13,6 +13,7 @@
 #include "client/stream/session/sink_log.h"
 #include "core/clock.h"
 #include "core/percentile.h"
+#include "patience.h"
 #include "scenes/served_scene.h"
 #include "stream/session/session_client.h"
 #include "system/support/fault_proxy.h"
@@ -43,13 +44,6 @@ class ProxiedSession : public ::testing::Test {
   SinkLog sink_;
   std::unique_ptr<SessionClient> client_;
 };
-
-// Polls until the condition holds. Returns false after kPatience.
-inline bool wait_until(const std::function<bool()>& enough) {
-  const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
-  while (!enough() && now_ns() < give_up_ns) sleep_until_ns(now_ns() + 5'000'000);
-  return enough();
-}
 
 // The age of each frame on arrival, ms. Requires that both ends use the same clock.
 inline std::vector<double> ages_ms(std::span<const ReceivedFrame> frames) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <thread>
 
+#include "patience.h"
 #include "scenes/box_scene.h"
 #include "server/session/fleet/agones_sidecar.h"
 #include "session/simulation/simulation_loop.h"
@@ -20,16 +21,6 @@ constexpr const char* kShutdown = "POST /shutdown";
 constexpr const char* kRead = "GET /gameserver";
 constexpr const char* kLabel = "PUT /metadata/label";
 constexpr const char* kPeople = "PATCH /v1beta1/counters/people";
-
-template <class Done>
-bool wait_until(const Done& done, double seconds = 60) {
-  const int64_t end_ns = now_ns() + static_cast<int64_t>(seconds * 1e9);
-  while (!done()) {
-    if (now_ns() > end_ns) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return true;
-}
 
 class Fleet : public ::testing::Test {
  protected:
