@@ -16,16 +16,18 @@ Result<void> AssetBinder::take_asset(uint32_t asset, std::span<const std::byte> 
   if (one.whole) return {};
   if (auto taken = one.decoder.take(bytes); !taken) return taken;
   one.kernel_count = static_cast<uint32_t>(one.decoder.kernel_count());
-  if (one.decoder.complete()) {
-    one.whole = std::make_shared<const AssetPart>(one.decoder.part());
-    one.decoder = {};
-  }
   return {};
 }
 
-bool AssetBinder::asset_complete(uint32_t asset) const {
+bool AssetBinder::finish_asset(uint32_t asset) {
   const auto found = assets_.find(asset);
-  return found != assets_.end() && found->second.whole;
+  if (found == assets_.end()) return false;
+  Asset& one = found->second;
+  if (!one.whole && one.decoder.complete()) {
+    one.whole = std::make_shared<const AssetPart>(one.decoder.part());
+    one.decoder = {};
+  }
+  return one.whole != nullptr;
 }
 
 Result<void> AssetBinder::describe(uint32_t description, uint32_t asset,

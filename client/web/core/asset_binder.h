@@ -38,13 +38,15 @@ class AssetBinder {
 
   // Assets, by a number of the caller.
   Result<void> take_asset(uint32_t asset, std::span<const std::byte> bytes);  // the next bytes
-  bool asset_complete(uint32_t asset) const;
+  // After the last bytes, once they are known to be right: until then, objects are bound to parts only.
+  // Returns false, and changes nothing, if bytes are missing.
+  bool finish_asset(uint32_t asset);
   void drop_asset(uint32_t asset) { assets_.erase(asset); }
 
   // An object to bind; `description` is an ascending number of the caller.
   Result<void> describe(uint32_t description, uint32_t asset, std::span<const std::byte> rest_body);
   void forget(uint32_t description) { descriptions_.erase(description); }
-  // Binds the first object that is due: one without kernels, or one whose asset has doubled or is complete.
+  // Binds the first object that is due: one without kernels, or one whose asset has doubled or is finished.
   // Returns false if none is due. After an error, the object is no longer bound; bound() then has its number
   // only.
   Result<bool> bind_next();
@@ -55,7 +57,7 @@ class AssetBinder {
   struct Asset {
     ProgressiveDecoder decoder;
     uint32_t kernel_count = 0;               // of the whole asset; 0 before its head
-    std::shared_ptr<const AssetPart> whole;  // once it is complete; the decoder is then empty
+    std::shared_ptr<const AssetPart> whole;  // once it is finished; the decoder is then empty
     size_t arrived() const { return whole ? SIZE_MAX : decoder.arrived() + decoder.arrived_harmonics(); }
   };
   struct Description {

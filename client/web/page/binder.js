@@ -103,13 +103,18 @@ class Binder {
     }, kLoading_ms);
   }
 
+  // Binds objects to the whole asset. Returns false if bytes are missing.
+  finish(asset) {
+    const whole = this.core.call.finish_asset(asset.number);
+    if (whole) this.bind();
+    return whole;
+  }
+
   // From the store, resumed by ranges. Throws if it fails or its bytes have another hash.
   async loadStored(asset, cache, path) {
-    const { core, store } = this, fetched = [], plain = [];
-    let held = null; // the last chunk: no asset is whole before its hash is known
+    const { store } = this, fetched = [], plain = [], webHash = store.hashes[asset.hash];
     const inflater = new Inflater((chunk) => {
-      if (held) this.take(asset, held);
-      held = chunk;
+      this.take(asset, chunk);
       if (cache) plain.push(chunk);
     });
     let have = 0, failures = 0;
@@ -118,7 +123,7 @@ class Binder {
       const ending = new AbortController();
       let stall = setTimeout(() => ending.abort(), kStoreStall_ms);
       try {
-        reply = await fetch(`${store.url}/${asset.hash}.web`, { credentials: 'omit', signal: ending.signal, ...(have > 0 ? { headers: { range: `bytes=${have}-` } } : {}) });
+        reply = await fetch(`${store.url}/${webHash}`, { credentials: 'omit', signal: ending.signal, ...(have > 0 ? { headers: { range: `bytes=${have}-` } } : {}) });
       } catch { /* tried again */ }
       const passing = !reply || reply.status >= 500 || reply.status === 429 || reply.status === 408;
       if (reply?.status === 401 || reply?.status === 403) throw new StoreError(`status ${reply.status}`);
@@ -150,15 +155,14 @@ class Binder {
       if (failures > kStoreAttempts) throw new StoreError(reply ? `status ${reply.status}` : 'no connection');
       if (have < total) await sleep(kRetryPause_ms);
     }
-    if (await sha256(new Blob(fetched)) !== store.hashes[asset.hash]) throw new Error('its bytes have another hash');
+    if (await sha256(new Blob(fetched)) !== webHash) throw new Error('its bytes have another hash');
     await inflater.end();
-    if (held) this.take(asset, held);
-    if (!core.call.asset_complete(asset.number)) throw new Error('its bytes are incomplete');
+    if (!this.finish(asset)) throw new Error('its bytes are incomplete');
     await cache?.put(path, new Response(new Blob(plain), { headers: { 'content-length': String(asset.arrived) } })).catch(() => {});
   }
 
   async load(asset) {
-    const { core } = this, path = this.folder + asset.hash, complete = () => core.call.asset_complete(asset.number);
+    const { core } = this, path = this.folder + asset.hash;
     const cache = await globalThis.caches?.open(kCacheName).catch(() => null); // secure contexts only
     const restart = () => {
       core.call.drop_asset(asset.number);
@@ -169,7 +173,7 @@ class Binder {
       try {
         asset.total = Number(kept.headers.get('content-length')) || asset.total;
         await eachChunk(kept.body, (chunk) => this.take(asset, chunk));
-        if (complete()) return;
+        if (this.finish(asset)) return;
       } catch (error) {
         if (error instanceof WebAssembly.RuntimeError) throw error;
         console.warn(`asset ${asset.hash.slice(0, 12)}: the kept copy is damaged; fetching it again`);
@@ -214,7 +218,7 @@ class Binder {
         } catch (error) {
           if (broken instanceof WebAssembly.RuntimeError) throw error;
         }
-        if (complete()) {
+        if (this.finish(asset)) {
           await cache?.put(path, new Response(new Blob(chunks), { headers: { 'content-length': String(asset.arrived) } })).catch(() => {});
           return;
         }

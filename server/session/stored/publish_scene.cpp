@@ -63,7 +63,7 @@ class Publisher {
     const auto coded = encode_content(*blocks, ContentCoding::Gzip);
     if (!coded) return coded.error();
     entry.set_web_sha256(content_hash(*coded));
-    return put_once(kAssetFolder + encoded.hash + ".web", *coded);
+    return put_once(kAssetFolder + entry.web_sha256(), *coded);
   }
 
   Result<PublishedScene> finish(const std::string& name, std::span<const std::byte> scene) {

@@ -13,6 +13,7 @@
 #include "core/text/shown_text.h"
 #include "json/json_message.h"
 #include "livegs/v1/store.pb.h"
+#include "scene/scene.h"
 #include "session/recording/recorded_files.h"
 #include "store/object_store.h"
 
@@ -63,6 +64,19 @@ Result<v1::StoredScene> read_list(ObjectStore& store, const std::string& name) {
       return invalid_data(store.shown(name) + ": an asset has no hash; publish the scene again");
   }
   return list;
+}
+
+// A scene of a store names files in its own folder only: no file of this machine is for its clients.
+Result<void> check_paths(const fs::path& path, const std::string& shown) {
+  auto text = read_scene(path);
+  if (!text) return text.error();
+  std::string outside;
+  livegs::for_each_path(text->file, [&](std::string& given) {
+    if (!is_inside(given)) outside = given;
+  });
+  if (outside.empty()) return {};
+  return invalid_data(shown + ": \"" + shown_text(outside, 80) +
+                      "\" is outside the folder of the scene; publish the scene again");
 }
 
 Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, const fs::path& folder) {
@@ -135,6 +149,9 @@ Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::stri
   std::error_code ignored;
   if (remote && !fs::exists(fetched.path_, ignored))
     return invalid_data(shown_url(scene) + ": its list of files lacks the scene; publish the scene again");
+  if (remote) {
+    if (auto checked = check_paths(fetched.path_, shown_url(scene)); !checked) return checked.error();
+  }
   if (count > 0) log_info("store: %zu files fetched, %.1f MB", count, static_cast<double>(bytes) * 1e-6);
   return fetched;
 }

@@ -48,6 +48,8 @@ async function feed(core, { kind, bytes, view }, kernels) {
       core.take('take_asset', [number], bytes.subarray(at, at + size));
       await bindArrived(core, kernels);
     }
+    core.call.finish_asset(number);
+    await bindArrived(core, kernels);
   } else if (kind === kinds.describe) {
     const [description, id, added, environment, hidden, asset] = [0, 4, 8, 12, 16, 20].map((at) => view.getUint32(at, true));
     if (core.take('describe_object', [description, id, added, environment, hidden], bytes.subarray(24))) core.take('bind_object', [description, asset], bytes.subarray(24));

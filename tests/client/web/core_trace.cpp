@@ -191,7 +191,7 @@ int run(const char* path, size_t lattice_kernels, int frames) {
     const auto stored = store_blocks(encode_progressive(assets[number]));
     require(stored.has_value(), "an asset cannot be stored");
     trace.write(kAsset, number, *stored);
-    require(binder.take_asset(number, *stored).has_value() && binder.asset_complete(number),
+    require(binder.take_asset(number, *stored).has_value() && binder.finish_asset(number),
             "an asset cannot be read");
     bind_arrived();
   };

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // node --experimental-websocket store_test.mjs SERVER TOOL WASM FIELDS KIND: the worker fetches assets from a store that is
-// good, cuts each transfer once, has no ranges, has other bytes, or refuses.
+// good, cuts each transfer once, has no ranges, has damaged bytes, has another asset with bytes after its end, or refuses.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
+import { randomBytes } from 'node:crypto';
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { gunzipSync, gzipSync } from 'node:zlib';
 import { Page, Server } from './worker_host.mjs';
 
 const [program, tool, wasm, fields, kind] = process.argv.slice(2);
@@ -14,14 +16,21 @@ const folder = mkdtempSync(join(tmpdir(), 'livegs_store_')), place = join(folder
 const box = (name, x) => ({ name, shape: { box: { size_m: [0.2, 0.2, 0.2] } }, pose: { position_m: [x, 0.1, 0] }, physics: { behavior: 'RIGID', mass_kg: 0.3 } });
 writeFileSync(join(folder, 'test.scene.json'), JSON.stringify({ environment: { colliders: [{ plane: {} }] }, objects: [box('one', 0), { ...box('two', 0.5), shape: { sphere: { radius_m: 0.1 } } }] }));
 execFileSync(tool, ['publish', join(folder, 'test.scene.json'), '--asset-store', place]);
+const forBrowsers = new Set(JSON.parse(readFileSync(join(place, 'test.files.json'), 'utf8')).assets.map((one) => `assets/${one.web_sha256}`));
+
+// The next asset, which is whole before the bytes that follow it.
+const other = (name) => {
+  const names = [...forBrowsers], next = names[(names.indexOf(name) + 1) % names.length];
+  return gzipSync(Buffer.concat([gunzipSync(readFileSync(join(place, next))), randomBytes(1 << 20)]));
+};
 
 const asked = new Map();
 const store = createServer((request, reply) => {
   const name = request.url.slice(1), path = join(place, name), count = (asked.get(name) ?? 0) + 1;
   asked.set(name, count);
-  const browser = name.endsWith('.web');
+  const browser = forBrowsers.has(name);
   if (!existsSync(path) || (browser && kind === 'refuses')) return reply.writeHead(existsSync(path) ? 403 : 404).end();
-  const bytes = readFileSync(path), range = /bytes=(\d+)-/.exec(request.headers.range ?? '');
+  const bytes = browser && kind === 'other' ? other(name) : readFileSync(path), range = /bytes=(\d+)-/.exec(request.headers.range ?? '');
   const from = range && kind !== 'plain' ? Number(range[1]) : 0, body = bytes.subarray(from);
   if (browser && kind === 'wrong') body[body.length >> 1] ^= 1;
   reply.writeHead(from > 0 ? 206 : 200, { 'content-length': body.length, ...(from > 0 ? { 'content-range': `bytes ${from}-${bytes.length - 1}/${bytes.length}` } : {}) });
@@ -38,8 +47,8 @@ try {
   await page.until('live', () => page.state === 'live');
   const wanted = () => [...page.objects.values()].filter((one) => !one.hidden);
   await page.until('all kernels', () => wanted().length >= 2 && wanted().every((one) => page.kernels.get(one.id)?.count === one.description.kernel_count));
-  const own = page.fetches.filter((path) => /\/assets\/[0-9a-f]{64}$/.test(String(path)));
-  const stored = [...asked].filter(([name]) => name.endsWith('.web'));
+  const own = page.fetches.filter((path) => /\/assets\/[0-9a-f]{64}$/.test(String(path)) && !forBrowsers.has(String(path).slice(-71)));
+  const stored = [...asked].filter(([name]) => forBrowsers.has(name));
   assert.ok(stored.length >= (kind === 'refuses' ? 1 : 2), `asked of the store: ${JSON.stringify([...asked])}`);
   if (['good', 'cuts', 'plain'].includes(kind)) assert.equal(own.length, 0, `asked of the server: ${own}`);
   else assert.ok(own.length >= Math.max(2, stored.length), `asked of the server: ${own}`);

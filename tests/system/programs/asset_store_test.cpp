@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 
+#include "core/content_hash.h"
 #include "object_store_mock.h"
 #include "patience.h"
 #include "system/programs/programs_fixture.h"
@@ -130,6 +132,17 @@ TEST_F(AssetStores, FilesAreVerified) {
   outside.insert(path, "../");
   mock_.set("hall.files.json", outside);
   expect_refused("is not a file of a scene", stored_server(mock_.url() + "/hall.scene.json"));
+  mock_.set("hall.files.json", list);
+  const std::string scene = mock_.get("hall.scene.json");
+  std::string elsewhere = scene;
+  elsewhere.insert(elsewhere.find("elsewhere/"), "../../");
+  const std::string of_elsewhere = content_hash(std::as_bytes(std::span(elsewhere)));
+  mock_.set(of_elsewhere, elsewhere);
+  std::string other_list = list;
+  const std::string of_scene = content_hash(std::as_bytes(std::span(scene)));
+  ASSERT_NE(other_list.find(of_scene), std::string::npos);
+  mock_.set("hall.files.json", other_list.replace(other_list.find(of_scene), 64, of_elsewhere));
+  expect_refused("is outside the folder of the scene", stored_server(mock_.url() + "/hall.scene.json"));
   expect_refused("does not exist in the store; store the scene with livegs publish",
                  stored_server(mock_.url() + "/other.scene.json"));
 }
