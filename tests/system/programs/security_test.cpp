@@ -177,7 +177,10 @@ TEST_F(SecurePrograms, RestartKeepsPairingAndTokens) {
   ctl(port, {"tokens", "revoke", token_id(port, "good")});
   EXPECT_EQ(client.wait(), 1) << client.err();
   EXPECT_NE(client.err().find("\"good\": was revoked"), std::string::npos) << client.err();
-  EXPECT_EQ(client.err().find("; reconnecting"), std::string::npos) << client.err();
+  // The client does not reconnect for this error. On a busy machine, it does after one second without data.
+  EXPECT_EQ(count_of("; reconnecting", client.err()),
+            count_of("no message for 1 s; reconnecting", client.err()))
+      << client.err();
 }
 
 // During a stream and afterwards, the client gets the error of the token at once, and no other message.
@@ -187,7 +190,7 @@ TEST_F(SecurePrograms, ExpiredTokenEndsItsStream) {
   ASSERT_NE(port, "") << server.err();
   make_token(port, "good", "interact");
   const std::string code = pairing_code(port);
-  make_token(port, "guest", "view", "0.00017");  // 0.00017 days = 15 s
+  make_token(port, "guest", "view", "0.0003");  // 0.0003 days = 26 s
   auto words = viewer(port, {"--pair", code, "--token-file", folder_ / "guest", "--reconnect", "60"},
                       "guest's pins", "0");
   words.erase(std::find(words.begin(), words.end(), "--verbose"));
@@ -199,7 +202,6 @@ TEST_F(SecurePrograms, ExpiredTokenEndsItsStream) {
                     answer = "token \"guest\": has expired; ask the server's operator for a new one";
   EXPECT_NE(err.find(answer), std::string::npos) << err;
   EXPECT_EQ(err.find(answer), err.rfind(answer)) << err;
-  // The client does not reconnect for this error. On a busy machine, it does after one second without data.
   EXPECT_EQ(count_of("; reconnecting", err), count_of("no message for 1 s; reconnecting", err)) << err;
   for (const char* state : {"guest's pins", "nobody's pins"})
     expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "guest"}, state), answer);

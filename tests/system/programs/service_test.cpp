@@ -87,7 +87,7 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   double count_replaced = value(replaced);
   const double at_first = count_replaced;
   client.send(SIGSTOP);
-  for (int i = 0; i < kPatience_ms / 20 && count_replaced < at_first + 10; ++i) {
+  for (int i = 0; i < kPatience_ms / 20 && count_replaced < at_first + 1; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const auto now = metrics_at(metrics_port);
     ASSERT_TRUE(now.contains(replaced));
@@ -95,7 +95,7 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
     count_replaced = now.at(replaced);
   }
   client.send(SIGCONT);
-  EXPECT_GE(count_replaced, at_first + 10);
+  EXPECT_GE(count_replaced, at_first + 1);
   EXPECT_GE(metrics_at(metrics_port)[replaced], count_replaced);
 
   server.send(SIGTERM);
