@@ -263,7 +263,7 @@ int run(const Options& options) {
   const auto fleet = join_fleet(options, security->get(), signals, stopped);
   if (!fleet) return report(fleet.error());
   if (!stopped.empty()) {
-    log_info("server is shutting down: %s", stopped.c_str());
+    log_info("server: shutting down: %s", stopped.c_str());
     return 0;
   }
 
@@ -390,7 +390,7 @@ int run(const Options& options) {
       reason = format_text("no person for %.0f s", options.fleet_empty_s);
     if (reason.empty()) reason = "the time limit is reached";
   }
-  log_info("server is shutting down: %s", reason.c_str());
+  log_info("server: shutting down: %s", reason.c_str());
   notice.say("STOPPING=1");
   (*server)->shut_down(reason, *fleet ? (*fleet)->leave() : Successor());
   loop.stop();
@@ -412,10 +412,9 @@ int main(int argc, char** argv) {
          "SCENE", options.scene,
          "A *.scene.json file, a folder of assets, or the address of a scene that livegs publish stored")
       ->required();
-  app.add_option(
-         "--asset-store", options.asset_store,
-         "Folder, http(s):// or s3://BUCKET/PREFIX of livegs publish: files that are missing here come "
-         "from there, and clients fetch assets there (default: the folder of SCENE)")
+  app.add_option("--asset-store", options.asset_store,
+                 "Folder, http(s):// or s3://BUCKET/PREFIX of livegs publish. Missing files of SCENE and the "
+                 "clients' assets are fetched from it (default: the folder of SCENE)")
       ->type_name("PLACE");
   app.add_option(
          "--client-store", options.client_store,
@@ -511,10 +510,10 @@ int main(int argc, char** argv) {
   app.add_flag(
       "--new", options.fresh,
       "Begin an empty scene: SCENE is a folder of assets, or a *.scene.json that does not exist yet");
-  app.add_option("--endpoint", options.endpoint.url,
-                 "URL of a server with the OpenAI chat completions API, which estimates materials (default: "
-                 "the value of the variable OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY; without a "
-                 "URL: offline estimates)");
+  app.add_option(
+      "--endpoint", options.endpoint.url,
+      "URL of a chat completions server that estimates materials. Default: the variable "
+      "OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY. Without a URL, estimates are offline");
   app.add_option("--model", options.endpoint.model,
                  "Name of the model (default: the value of the variable LIVEGS_MODEL)");
   app.add_option("--recorded", options.endpoint.recorded,

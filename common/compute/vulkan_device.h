@@ -39,9 +39,9 @@ std::filesystem::path user_pipeline_cache_folder();
 // use, so programs start on machines without Vulkan.
 class VulkanDevice {
  public:
-  // Selects the best device: discrete, integrated, virtual, then software such as lavapipe; ties go to the
-  // first. Unavailable, with the remedy, if there is no loader, no requested validation layer, or no Vulkan
-  // 1.3 device with the limits of pass.h.
+  // Selects a device in this order: discrete, integrated, virtual, software such as lavapipe. The first of
+  // equal devices is selected. Errors, Unavailable with the remedy: the loader or a requested validation
+  // layer is missing, or no device has Vulkan 1.3 and the limits of pass.h.
   static Result<std::shared_ptr<VulkanDevice>> create(const VulkanDeviceOptions& options = {});
 
   ~VulkanDevice();

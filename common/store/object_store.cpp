@@ -342,11 +342,11 @@ Result<ObjectPlace> open_object(const std::string& place, const StoreTimes& time
   const std::size_t slash = place.substr(0, place.find_first_of("?#", path)).rfind('/');
   const bool has_folder = slash != std::string::npos && slash >= path;
   if (is_store_url(place) && !has_folder)
-    return invalid_argument(shown_url(place) + ": names no object; give the whole address");
+    return invalid_argument(shown_url(place) + ": has no name of an object; give the whole address");
   const std::string folder = !has_folder ? "." : slash == 0 ? "/" : place.substr(0, slash);
   const std::string name = has_folder ? place.substr(slash + 1) : place;
   if (name.empty() || name.front() == '?')
-    return invalid_argument(shown_url(place) + ": names no object; give the whole address");
+    return invalid_argument(shown_url(place) + ": has no name of an object; give the whole address");
   auto store = ObjectStore::open(folder, times);
   if (!store) return store.error();
   return ObjectPlace{*std::move(store), name};

@@ -49,11 +49,12 @@ void add_token(CLI::App& app, int& exit_code) {
   auto* fresh =
       command->add_option("--new-key", options->new_key_file, "Write a new key to this file instead");
   auto* key =
-      command->add_option("--key", options->key_file, "Key of the fleet, as of livegs-server --fleet-key")
+      command
+          ->add_option("--key", options->key_file, "Key of the fleet: the file of livegs-server --fleet-key")
           ->excludes(fresh);
   auto* server = command
                      ->add_option("--server", options->server,
-                                  "Name of the server that accepts the token, as of its --server-name")
+                                  "Name of the server that accepts the token: its --server-name")
                      ->excludes(fresh);
   auto* name = command->add_option("--name", options->name, "Name of the person")->excludes(fresh);
   command->add_option("--scope", options->scope, "view, interact, author or admin")->capture_default_str();

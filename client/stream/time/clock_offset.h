@@ -17,12 +17,11 @@ struct ClockSample {
   int64_t received_ns = 0;
 };
 
-// Estimates how far the server's clock is ahead of the client's. Travel times are positive, so each message
-// to the server gives an upper bound of the offset, server_received - sent, and each reply a lower bound,
-// server_sent - received; queuing only loosens them. The estimate is midway between the tightest bounds of
-// the last ten seconds, each loosened by the maximum drift since then. Without drift, and if both bounds come
-// from the same round trip, this is the sample with the lowest round trip (RFC 5905, section 10). Not
-// thread-safe.
+// Estimates how far the server's clock is ahead of the client's. Travel times are positive. A message to the
+// server therefore gives an upper bound of the offset, server_received - sent, and a reply a lower bound,
+// server_sent - received. Queuing loosens both. The estimate is midway between the tightest bounds of the
+// last ten seconds. Each bound is loosened by the maximum drift since then. If both come from one round trip,
+// this is the sample with the lowest round trip (RFC 5905, section 10). Not thread-safe.
 class ClockOffset {
  public:
   // Maximum relative drift of two clocks. RFC 5905 assumes 15 ppm for a disciplined clock; cheap quartz

@@ -30,7 +30,7 @@ class AssetLibrary {
   // fetches; request `stop`, which `fetch` must observe as well, to end them early.
   AssetLibrary(FetchAsset fetch, const AssetCache& cache, std::stop_token stop = {})
       : fetch_(std::move(fetch)), cache_(cache), stop_(std::move(stop)) {}
-  // From the store that the server names, and from the server.
+  // Fetches assets from the store that the server names, and from the server if that fails.
   AssetLibrary(SessionClient& client, const AssetCache& cache, std::stop_token stop = {})
       : AssetLibrary(
             [&client](const std::string& hash, uint64_t bytes, uint64_t offset, const TakeChunk& take) {
@@ -73,7 +73,7 @@ class AssetLibrary {
   struct Progress {
     size_t assets = 0, ready = 0;
     uint64_t bytes = 0,
-             arrived_bytes = 0;  // of all of them; of one in the cache all have arrived once it is read
+             arrived_bytes = 0;  // of all assets; those of a cached asset count once it is read
     // Name of an object whose asset is the first in request order that is not ready. Empty when all are
     // ready.
     std::string object;

@@ -11,7 +11,7 @@ void SessionNotice::take(const FrameQueue::StreamUpdate& update, SessionClient& 
     log_warn("%s", text_.c_str());
   };
   if (!update.frames.empty() && !ended_ && (update.back || !shutdown_announced_)) {
-    if (update.back) log_info("server reconnected");
+    if (update.back) log_info("server: connected again");
     text_.clear();
     shutdown_announced_ = false;
   }

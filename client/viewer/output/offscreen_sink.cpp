@@ -112,7 +112,7 @@ void OffscreenSink::on_object_changed(StreamedObject object) {
 void OffscreenSink::on_object_removed(uint32_t object_id) { queue_.add(ObjectRemoved{object_id}); }
 
 void OffscreenSink::on_draining(const std::string& reason) {
-  log_info("server is shutting down: %s", reason.c_str());
+  log_info("server: shutting down: %s", reason.c_str());
   std::lock_guard lock(mutex_);
   draining_reason_ = reason;
   done_ = true;

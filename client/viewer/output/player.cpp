@@ -114,7 +114,7 @@ Result<void> Player::draw_if_kept(const DriverFrame& frame) {
 void Player::log_progress() {
   if (now_ns() - logged_ns_ < kProgressInterval_ns) return;
   logged_ns_ = now_ns();
-  log_info("played %.1f s of the stream, drew %llu pictures", played_s(),
+  log_info("player: played %.1f s of the stream, drew %llu pictures", played_s(),
            static_cast<unsigned long long>(drawn_));
 }
 

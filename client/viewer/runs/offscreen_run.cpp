@@ -149,7 +149,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
     play_ended = true;
   });
 
-  log_info("receiving %s, writing to %s",
+  log_info("stream: receiving %s, writing to %s",
            options.seconds > 0 ? format_text("%g s", options.seconds).c_str() : "until the server ends",
            options.output.c_str());
   client.start(recorder);

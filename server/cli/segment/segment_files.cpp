@@ -89,7 +89,7 @@ Image draw_assets(std::span<const GaussianAsset* const> assets, const Camera& ca
   return view.image;
 }
 
-// Of the used views, the one with the most pixels of the label.
+// The used view with the most pixels of the label.
 const Camera& best_view(const RoomParts& parts, uint16_t label) {
   size_t best = 0, most = 0;
   for (size_t v = 0; v < parts.pictures.size(); ++v) {

@@ -301,7 +301,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Disable the sleep of bodies at rest");
   command->add_flag("--offline", options->offline,
-                    "No effect: simulate never calls a language model; accepted as by other commands");
+                    "No effect, because simulate calls no language model. Other commands have this option");
   command->add_flag("--drop", options->drop,
                     "Folder of assets: drop the objects onto the floor instead of placing them on it");
   group_options(*command, "Simulation",

@@ -23,7 +23,8 @@ Result<std::vector<std::pair<std::string, std::vector<FitQuantity>>>> wanted_obj
     const FitRequest& request, const Scene& scene) {
   if (!request.objects.empty()) {
     for (const auto& [name, quantities] : request.objects)
-      if (!scene.find_in_file(name)) return not_found(shown_line(name) + ": is no object of the scene");
+      if (!scene.find_in_file(name))
+        return not_found(shown_line(name) + ": is not an object of the scene; name one of its objects");
     for (size_t i = 0; i < request.objects.size(); ++i) {
       for (size_t j = 0; j < i; ++j)
         if (request.objects[i].first == request.objects[j].first)

@@ -47,7 +47,8 @@ VideoFrames::~VideoFrames() {
 
 Result<VideoFrames> VideoFrames::open(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return not_found(path.string() + ": is no file");
+  if (!std::filesystem::is_regular_file(path, error))
+    return not_found(path.string() + ": is not a file; give the path of a video");
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
     return Error{ErrorCode::Internal, path.string() + ": the pipe to ffmpeg cannot be created"};

@@ -64,7 +64,7 @@ struct RowNodes {
   }
 };
 
-// What the sweeps need of a row, in one place.
+// The data of a row that sweeps read, in one place.
 struct SolvedRow {
   Double4 normal, friction_n_s;
   Double4 base_m;                                    // displacement of a relative to b without corrections

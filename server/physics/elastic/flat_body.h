@@ -67,7 +67,7 @@ struct FlatCollider {
   uint32_t index = 0;                                // of FlatTick::colliders
 };
 
-// What acts on a body in a tick.
+// Loads on a body in a tick.
 struct FlatTick {
   double start_s = 0.0, duration_s = 0.0;
   int substeps = 0;  // of the scene

@@ -7,7 +7,8 @@
 #include "physics/rigid/rigid_broad_phase.h"
 
 // Sleep of rigid bodies: speed, time and group. Elastic bodies: physics/elastic/elastic_sleep_timer.h.
-// Islands of both kinds: World::State::sleep_islands and wake_islands in physics/world/world_coupling.cpp.
+// Islands of both kinds: World::State::sleep_islands and wake_islands in physics/world/world_coupling.cpp. A
+// body that will be touched wakes in wake_on_contact (rigid_step.cpp).
 
 namespace livegs {
 

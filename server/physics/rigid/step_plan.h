@@ -18,7 +18,8 @@ struct StepPlan {
 };
 
 // Contact springs are as stiff as the step allows, so the sag under a weight grows with the square of the
-// step. `duration_s`: of the substep; `usual_steps`: the least number of solver steps.
+// step. `duration_s`: of the substep, whose number is WorldSettings::substeps; `usual_steps`: the least
+// number of solver steps.
 StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2, double duration_s,
                     int usual_steps);
 

@@ -57,7 +57,7 @@ Result<void> set_fields(v1::Object& object, const v1::ObjectEdit& edit) {
   for (const std::string& path : edit.fields()) {
     if (!FieldMaskUtil::IsValidPath<v1::Object>(path))
       return invalid_argument("fields: \"" + shown_text(path, 60) +
-                              "\" is no field of an object; see Object in scene.proto");
+                              "\" is not a field of an object; see Object in scene.proto");
     mask.add_paths(path);
   }
   FieldMaskUtil::MergeOptions options;

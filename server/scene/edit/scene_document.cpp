@@ -33,7 +33,7 @@ Result<std::string> scene_file_name(std::string name) {
                      });
   if (plain) return name;
   return invalid_argument("file: \"" + shown_text(name, 80) +
-                          "\" is no plain file name; give one such as room.scene.json, without a folder");
+                          "\" is not a plain file name; give one such as room.scene.json, without a folder");
 }
 
 }  // namespace

@@ -170,8 +170,8 @@ class ClientSession {
     std::lock_guard lock(mutex_);
     return terms_.encoding;
   }
-  // Offers a tick. `kernels`: the kernel encoding that was added to the tick; none for driver frames. Ignored
-  // if the client requested another encoding.
+  // Offers a tick, whose number is that of its frame. `kernels`: the kernel encoding that was added to the
+  // tick; none for driver frames. Ignored if the client requested another encoding.
   void offer(std::shared_ptr<const TickEncodings> tick,
              std::optional<v1::JoinRequest::Encoding> kernels = {}) {
     std::lock_guard lock(mutex_);

@@ -32,8 +32,8 @@ inline constexpr int64_t kParkedTimeout_ns = 30'000'000'000;
 inline constexpr int64_t kJoinTimeout_ns = 120'000'000'000;
 
 // The sessions and the objects of the scene. One lock guards both, so that a client's object list and its
-// later events are consistent. A client that lost its connection resumes in join(): nothing that it missed is
-// kept; it receives all objects again, and its next stream starts with a keyframe. Any thread.
+// later events are consistent. A client that lost its connection resumes in join(). It receives all
+// objects again, and its next stream starts with a keyframe. Missed events are not kept. Any thread.
 class SessionTable {
  public:
   SessionTable();
@@ -45,7 +45,7 @@ class SessionTable {
   void set_max_sessions(size_t sessions) { max_sessions_ = sessions; }
   // Lets clients join. `inputs` must outlive the sessions.
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
-  // Where the client of this authorization continues; without an address if it does not.
+  // The next server of a client; without an address if there is none.
   using NextServerFor = std::function<v1::NextServer(const Authorization&)>;
   // Ends every stream with the reason; later joins fail.
   void close(const std::string& reason, const NextServerFor& next = {});

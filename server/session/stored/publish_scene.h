@@ -10,7 +10,7 @@
 
 namespace livegs {
 
-// What publish_scene() stored.
+// Result of publish_scene().
 struct PublishedScene {
   std::string file;  // name of the scene file in the store
   size_t files = 0, assets = 0;

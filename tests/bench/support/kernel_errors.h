@@ -9,7 +9,7 @@
 #include "skin/skin_kernels.h"
 
 // Errors of kernels that a client skins from received drivers, compared with the server's own drivers:
-// position and rotation. A kernel at arm's length, 0.7 m: 0.05 mm are 0.07 mrad, a tenth of a headset pixel.
+// position and rotation. At 0.7 m, 0.05 mm is a tenth of a headset pixel.
 
 namespace livegs::bench {
 

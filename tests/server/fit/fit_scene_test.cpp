@@ -185,7 +185,7 @@ TEST(FitScene, WhatCannotBeFittedIsNamed) {
   EXPECT_EQ(error_of(twice, tracks), "bar: is named twice; give all its quantities at once");
   HiddenMotion other = motion;
   other.request.objects = {{"rod", {}}};
-  EXPECT_EQ(error_of(other, tracks), "rod: is no object of the scene");
+  EXPECT_EQ(error_of(other, tracks), "rod: is not an object of the scene; name one of its objects");
   other.request.scene.file = scene_of(sliding_box(0.3));
   other.request.objects = {{"box", {FitQuantity::YoungsModulus}}};
   EXPECT_NE(error_of(other, tracks).find("is rigid and has no youngs_modulus_pa"), std::string::npos);

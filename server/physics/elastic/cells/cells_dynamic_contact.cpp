@@ -310,7 +310,7 @@ std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, cons
     RigidContacts& contacts = bodies_.rigid[k];
     valid =
         valid && contacts.own_revision == bodies_.revision && contacts.shape_revision == body.shape->revision;
-    // What the last steps did not know of, such as an impact between substeps or a reset.
+    // Motion that the last steps did not count, such as an impact between substeps or a reset.
     const double reach_m = body.shape->bounding_radius_m,
                  turned = body.before.orientation.angularDistance(contacts.last.orientation),
                  jump_m = (body.before.position_m - contacts.last.position_m).norm() + turned * reach_m;
@@ -489,7 +489,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, const RigidContacts& cont
   }
 }
 
-// Of two bodies, the one with finer points lists its contacts first.
+// The body with finer points lists its contacts first.
 bool CellsBody::lists_first(const CellsBody& other) const {
   if (extent_.box_edge_m != other.extent_.box_edge_m) return extent_.box_edge_m < other.extent_.box_edge_m;
   return object_id_ < other.object_id_;

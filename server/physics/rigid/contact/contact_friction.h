@@ -11,7 +11,7 @@
 
 namespace livegs {
 
-// What operators do not give. A vector type specialises it.
+// Functions in place of operators. A vector type specialises it.
 template <typename Real>
 struct FrictionMath {
   static bool every(bool mask) { return mask; }

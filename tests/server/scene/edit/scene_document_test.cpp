@@ -129,7 +129,7 @@ TEST_F(Documents, RefusesWhatCannotBe) {
             "object \"cup\": is named by events[0] of the scene; remove that first");
   EXPECT_EQ(refusal(moved("jug", 1)), "object: \"jug\" is not in the scene; it may have been deleted");
   EXPECT_EQ(refusal(with("cup", [](v1::ObjectEdit& edit) { edit.add_fields("weight"); })),
-            "object \"cup\": fields: \"weight\" is no field of an object; see Object in scene.proto");
+            "object \"cup\": fields: \"weight\" is not a field of an object; see Object in scene.proto");
   EXPECT_EQ(refusal({}), "edit: changes nothing; give the fields to set");
   EXPECT_NE(refusal(moved("cup", INFINITY)).find("pose.position_m"), std::string::npos);
   EXPECT_EQ(document.revision(), 1u) << "a refused edit is no step";
@@ -168,7 +168,7 @@ TEST_F(Documents, SavesOnlyIntoTheFolder) {
   for (const char* bad : {"../other", "/tmp/other", ".hidden", "a/b.scene.json"}) {
     const auto saved = document.save(bad, false);
     ASSERT_FALSE(saved) << bad;
-    EXPECT_NE(saved.error().message.find("is no plain file name"), std::string::npos);
+    EXPECT_NE(saved.error().message.find("is not a plain file name"), std::string::npos);
   }
   folder_.write("there.scene.json", "{}");
   EXPECT_EQ(document.save("there", false).error().message,

@@ -33,8 +33,8 @@ class TakenRoom : public testing::Test {
     EXPECT_EQ(things->describe(environment_).state(), v1::RoomParts::READY);
     return things;
   }
-  // From above and in front of a point of the bounds of a thing, each coordinate 0 to 1 in the world's frame:
-  // y is up.
+  // Adds a pick ray from above and in front. `at`: its target in the bounds of the thing, 0 to 1 along each
+  // axis of the world; y is up.
   void aim(v1::TakePartRequest& request, size_t thing, const Eigen::Vector3d& at, bool away) const {
     const Eigen::AlignedBox3d& box = room_.bounds_m[thing];
     const Eigen::Vector3d point(box.min().x() + at.x() * box.sizes().x(),
