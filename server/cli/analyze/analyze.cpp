@@ -27,10 +27,10 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text/help_format.h"
+#include "core/text/path_ending.h"
 #include "core/text/shown_text.h"
 #include "scene/views/scene_analysis.h"
 #include "scene/views/target_views.h"
-#include "session/stored/publish_scene.h"
 
 namespace livegs {
 namespace {
@@ -249,10 +249,11 @@ Result<void> check_options(const AnalyzeCommand& options) {
   return {};
 }
 
-int run(const AnalyzeCommand& options) {
+int analyze(const AnalyzeCommand& options, Job& job) {
   if (auto checked = check_options(options); !checked) return report(checked.error());
   if (auto checked = check_output_folder(options.explain); !checked) return report(checked.error());
   if (options.decision.any()) {
+    job.leave_unmarked();
     const auto scene = scene_of(options);
     if (!scene) return report(scene.error());
     return decide_physics(options.decision, scene->file, scene->folder, scene->name);
@@ -291,6 +292,8 @@ int run(const AnalyzeCommand& options) {
     (void)views.of((*targets)[i].object_id, options.views);
   }
   std::vector<Analysed> all(targets->size());
+  size_t finished = 0;
+  job.progress(0, all.size());
   Result<void> all_kept;
   const auto looks = [&](uint32_t id, int count, std::stop_token) { return views.of(id, count); };
   const AnalysisSummary summary =
@@ -299,6 +302,7 @@ int run(const AnalyzeCommand& options) {
         one.object = object_of(update.object_id);
         one.update = update;
         if (*endpoint) print_progress(one.object->name, update);
+        if (update.stage == AnalysisStage::Finished) job.progress(++finished, all.size());
         // Saved at once, so that paid answers survive an interruption.
         if (options.write && update.stage == AnalysisStage::Finished) {
           if (auto kept = keep(*one.object, update, *endpoint != nullptr); !kept && all_kept) all_kept = kept;
@@ -329,18 +333,11 @@ int run(const AnalyzeCommand& options) {
     std::fputc('\n', stderr);
     // A model was configured, but no request was answered.
     if (summary.failed == summary.objects && summary.objects > 0) {
-      return report({ErrorCode::Unavailable, summary.failure + "; the printed values are offline estimates"});
+      return report_job(
+          {ErrorCode::Unavailable, summary.failure + "; the printed values are offline estimates"});
     }
   }
-  return 0;
-}
-
-// A scene of a store, `given`, is stored again with the values that --write saved.
-int run_and_store(const AnalyzeCommand& options, const std::string& given) {
-  if (const int code = run(options); code != 0 || !options.write || !is_store_url(given)) return code;
-  auto store = ObjectStore::open(given.substr(0, given.rfind('/')));
-  if (!store) return report_job(store.error());
-  if (const auto stored = publish_scene(options.path, **store); !stored) return report_job(stored.error());
+  if (options.write) job.inputs_changed();
   return 0;
 }
 
@@ -434,9 +431,12 @@ void add_analyze(CLI::App& app, int& exit_code) {
   redo->excludes(accept)->excludes(decline)->excludes(undo);
   add_job_options(*command, options->job);
   command->callback([options, command, &exit_code] {
-    const std::string given = options->path.string();
-    exit_code = run_as_job(*command, options->job, {&options->path}, &options->explain,
-                           [&](Job&) { return run_and_store(*options, given); });
+    const std::string given = shown_url(options->path.string());
+    exit_code = options->write && is_store_url(given) && !has_ending(given, ".scene.json")
+                    ? report(invalid_argument(given + ": has no place for the values of --write; give the "
+                                                      "address of a scene that livegs publish stored"))
+                    : run_as_job(*command, options->job, {&options->path}, &options->explain,
+                                 [&](Job& job) { return analyze(*options, job); });
   });
 }
 

@@ -185,7 +185,7 @@ int run_fit(const FitCommand& command, Job& job) {
         {ErrorCode::PermissionDenied, command.output.string() + ": cannot be created: " + error.message()});
   if (auto written = write_result(command, *request, *result, std::move(picture)); !written)
     return report(written.error());
-  if (fit_interrupted) job.cut_short();
+  if (fit_interrupted) job.leave_unmarked();
   print_values(*result);
   std::fputs(written_files_text().c_str(), stdout);
   return 0;

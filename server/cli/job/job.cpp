@@ -12,12 +12,14 @@
 #include <set>
 #include <sstream>
 
+#include "analysis/physics_file.h"
 #include "cli/commands.h"
 #include "cli/job/unpack_zip.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text/path_ending.h"
+#include "session/stored/publish_scene.h"
 
 namespace livegs {
 namespace {
@@ -150,10 +152,11 @@ Result<fs::path> Job::input(const fs::path& given) {
     if (has_ending(shown_url(text), ".scene.json")) {
       auto scene = StoredScene::fetch(text, "");
       if (!scene) return scene.error();
-      scenes_.push_back(std::make_unique<StoredScene>(*std::move(scene)));
-      local = scenes_.back()->path();
-      if (auto added = add_file_to_key(local.parent_path()); !added) return added.error();
-      return local;
+      auto place = open_object(text);
+      if (!place) return place.error();
+      add_to_key(scene->list_hash());
+      scenes_.push_back({*std::move(scene), std::move(place->store)});
+      return scenes_.back().files.path();
     }
     const auto place = open_object(text);
     if (!place) return place.error();
@@ -185,6 +188,11 @@ Result<fs::path> Job::input(const fs::path& given) {
                             ": names other files, which --checkpoints cannot follow; give the folder, or "
                             "the address of a scene that livegs publish stored");
   if (auto added = add_file_to_key(local); !added) return added.error();
+  // The values of an asset are an input of analyze.
+  std::error_code ignored;
+  if (const fs::path values = physics_file_path(local); fs::is_regular_file(values, ignored)) {
+    if (auto added = add_file_to_key(values); !added) return added.error();
+  }
   return local;
 }
 
@@ -214,8 +222,7 @@ Result<bool> Job::finished() {
     return mark.error();
   }
   std::istringstream lines(text_of(*mark));
-  size_t found = 0;
-  for (std::string line; std::getline(lines, line); ++found) {
+  for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     uint64_t bytes = 0;
     std::string hash, name;
@@ -234,7 +241,7 @@ Result<bool> Job::finished() {
     }
     if (there != hash) return false;
   }
-  return found > 0;
+  return true;
 }
 
 Result<std::optional<std::vector<std::byte>>> Job::last_state() {
@@ -276,6 +283,7 @@ Result<void> Job::keep_state(size_t step, std::span<const std::byte> state) {
 
 std::vector<fs::path> Job::output_files() const {
   std::vector<fs::path> files;
+  if (output_.empty()) return {};
   const bool all = place_.has_value();  // the temporary folder has nothing else
   // A command may write files next to its output file, with its name and another ending.
   const fs::path base = all ? output_.parent_path() : output_;
@@ -287,7 +295,7 @@ std::vector<fs::path> Job::output_files() const {
   return files;
 }
 
-Result<void> Job::finish() {
+Result<std::string> Job::store_outputs() {
   std::string mark;
   for (const fs::path& file : output_files()) {
     const auto bytes = read_file(file);
@@ -297,12 +305,38 @@ Result<void> Job::finish() {
     if (place_) {
       // A presigned address is for its own object only.
       const bool own = file == output_ && query != std::string::npos;
-      if (auto put = place_->store->put(own ? place_->name : name, *bytes); !put) return put;
+      if (auto put = place_->store->put(own ? place_->name : name, *bytes); !put) return put.error();
     }
     mark += std::to_string(bytes->size()) + " " + content_hash(*bytes) + " " + name + "\n";
   }
-  if (checkpoints_ && !cut_short_) {
-    if (auto put = checkpoints_->put(object(".done"), std::as_bytes(std::span(mark))); !put) return put;
+  return mark;
+}
+
+Result<void> Job::put_mark(const std::string& mark, const std::string& scene_list) {
+  if (!checkpoints_ || unmarked_) return {};
+  std::string key = key_text_;
+  if (!scene_list.empty()) {
+    const std::string& before = scenes_.front().files.list_hash();
+    key.replace(key.find(before), before.size(), scene_list);
+  }
+  return checkpoints_->put(content_hash(std::as_bytes(std::span(key))) + ".done",
+                           std::as_bytes(std::span(mark)));
+}
+
+Result<void> Job::finish() {
+  const auto mark = store_outputs();
+  if (!mark) return mark.error();
+  if (inputs_changed_) {
+    // The mark is stored before the list, which completes the publication: a job that is killed in between
+    // finds the scene as it was and repeats the same work, and later the changed scene with its mark.
+    for (const FetchedScene& scene : scenes_) {
+      const auto published =
+          publish_scene(scene.files.path(), *scene.store,
+                        [&](const std::string& list_hash) { return put_mark(*mark, list_hash); });
+      if (!published) return published.error();
+    }
+  } else if (auto put = put_mark(*mark, ""); !put) {
+    return put;
   }
   if (metrics_) metrics_->finished = true;
   return {};
@@ -328,20 +362,19 @@ int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<f
     if (!local) return report_job(local.error());
     *input = *std::move(local);
   }
-  const std::string shown = output ? shown_url(output->string()) : "";
-  if (output && !output->empty()) {
+  const std::string shown = output->empty() ? "livegs " + command.get_name() : shown_url(output->string());
+  if (!output->empty()) {
     auto local = (*job)->output(*output);
     if (!local) return report_job(local.error());
     *output = *std::move(local);
-    const auto finished = (*job)->finished();
-    if (!finished) return report_job(finished.error());
-    if (*finished) {
-      std::printf("%s: is done already\n", shown.c_str());
-      return 0;
-    }
+  }
+  const auto finished = (*job)->finished();
+  if (!finished) return report_job(finished.error());
+  if (*finished) {
+    std::printf("%s: is done already\n", shown.c_str());
+    return 0;
   }
   if (const int code = run(**job); code != 0) return code;
-  if (!output || output->empty()) return 0;
   if (auto stored = (*job)->finish(); !stored) return report_job(stored.error());
   return 0;
 }

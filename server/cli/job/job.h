@@ -39,7 +39,9 @@ void add_job_options(CLI::App& command, JobOptions& options);
 // - State, in the checkpoints: two objects in turn, so that one of them is whole, each with its own hash.
 // - Mark, in the checkpoints: the hash and size of every output. A job whose outputs exist is done.
 //
-// State and mark belong to the bytes of the inputs, the options and the version: others are not used.
+// State and mark belong to the bytes of the inputs, the options and the version: others are not used. The
+// mark of a command that changes its inputs (analyze --write) belongs to the changed bytes: only a scene of a
+// store is marked then.
 class Job {
  public:
   // `command`: with all its options parsed.
@@ -60,11 +62,13 @@ class Job {
   Result<std::optional<std::vector<std::byte>>> last_state();
   // `step`: larger than that of the state before.
   Result<void> keep_state(size_t step, std::span<const std::byte> state);
-  // Stores the outputs and the mark, and removes nothing.
+  // Stores the outputs, the changed scene and the mark, and removes nothing.
   Result<void> finish();
 
-  // A person ended the work early: its outputs are stored, but the job is not done.
-  void cut_short() { cut_short_ = true; }
+  // A repetition works again: a person ended the work early, or decides on its result.
+  void leave_unmarked() { unmarked_ = true; }
+  // The command wrote into the files of its inputs. A scene of a store is published again by finish().
+  void inputs_changed() { inputs_changed_ = true; }
   // For --metrics. Any thread.
   void progress(size_t done, size_t total);
 
@@ -73,10 +77,18 @@ class Job {
   void add_to_key(const std::string& text) { key_text_ += text + "\n"; }
   Result<void> add_file_to_key(const std::filesystem::path& path);
   std::string object(const char* ending) const;  // name in the checkpoints
+  Result<std::string> store_outputs();           // returns the mark: a line for each
+  // `scene_list`: hash of the list of the changed scene; empty if the inputs did not change.
+  Result<void> put_mark(const std::string& mark, const std::string& scene_list);
   std::vector<std::filesystem::path> output_files() const;
 
   std::filesystem::path folder_;  // temporary
-  std::vector<std::unique_ptr<StoredScene>> scenes_;
+  // A scene of a store, and its place there.
+  struct FetchedScene {
+    StoredScene files;
+    std::shared_ptr<ObjectStore> store;
+  };
+  std::vector<FetchedScene> scenes_;
   std::shared_ptr<ObjectStore> checkpoints_;
   std::string key_text_;
   std::filesystem::path output_;  // local
@@ -85,14 +97,15 @@ class Job {
   std::optional<ObjectPlace> place_;  // of the output, if it is an address
   size_t next_slot_ = 0, inputs_ = 0;
   std::unique_ptr<JobMetrics> metrics_;
-  bool cut_short_ = false;
+  bool unmarked_ = false, inputs_changed_ = false;
 };
 
 // Exit code for an error: kRetryExit if a repetition may succeed, else as report(). Prints the error.
 int report_job(const Error& error);
 
 // Runs a command as a job: begins it, replaces the addresses by local paths, and stores the outputs.
-// `inputs`, `output`: paths of the command's options, null or empty if not given. `run` gives the exit code.
+// `inputs`, `output`: paths of the command's options, empty if not given; a job without an output is done
+// once its mark exists. `run` gives the exit code.
 int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<std::filesystem::path*> inputs,
                std::filesystem::path* output, const std::function<int(Job& job)>& run);
 

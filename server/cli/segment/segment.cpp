@@ -20,8 +20,9 @@ struct SegmentCommand {
   JobOptions job;
 };
 
-int segment(SegmentCommand command) {
+int segment(SegmentCommand command, Job& job) {
   SegmentRequest& request = command.request;
+  request.progress = [&job, steps = size_t{0}]() mutable { job.progress(++steps, 0); };
   if (auto checked = check_segment_folder(request.output); !checked) return report(checked.error());
   if (!request.masks.empty() && command.cameras.empty())
     return report(invalid_argument("--masks: needs --cameras, the transforms.json of the photos"));
@@ -83,7 +84,7 @@ void add_segment(CLI::App& app, int& exit_code) {
   command->callback([options, command, &exit_code] {
     exit_code =
         run_as_job(*command, options->job, {&options->input, &options->cameras, &options->request.masks},
-                   &options->request.output, [&](Job&) { return segment(*options); });
+                   &options->request.output, [&](Job& job) { return segment(*options, job); });
   });
 }
 

@@ -117,7 +117,8 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
   if (!up) return up.error();
   options.up = room.up = up->axis;
   room.up_axis = up->name;
-  options.progress = [last = std::string()](const char* step, double) mutable {
+  options.progress = [&request, last = std::string()](const char* step, double) mutable {
+    if (request.progress) request.progress();
     if (last != step) log_info("segment: %s", step);
     last = step;
   };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ struct SegmentRequest {
   double scale = 1.0;                 // metres per unit of the asset
   std::optional<KnownLength> known;   // instead of `scale`
   std::filesystem::path output;       // new or empty folder
+  std::function<void()> progress;     // called after each view and each step of the work; may be empty
 };
 struct SegmentOutcome {
   size_t things = 0;

@@ -31,7 +31,8 @@ std::span<const std::byte> bytes_of(std::string_view text) { return std::as_byte
 
 class Publisher {
  public:
-  explicit Publisher(ObjectStore& store) : store_(store) {}
+  using BeforeList = std::function<Result<void>(const std::string& list_hash)>;
+  Publisher(ObjectStore& store, const BeforeList& before_list) : store_(store), before_list_(before_list) {}
 
   // A file at `path` relative to the scene file.
   Result<void> add_file(const std::string& path, std::span<const std::byte> bytes) {
@@ -76,6 +77,9 @@ class Publisher {
     std::string text;
     if (!google::protobuf::util::MessageToJsonString(list_, &text, print).ok())
       return Error{ErrorCode::Internal, name + ": the list of files cannot be written"};
+    if (before_list_) {
+      if (auto noted = before_list_(content_hash(bytes_of(text))); !noted) return noted.error();
+    }
     if (auto put = store_.put(name + ".files.json", bytes_of(text)); !put) return put.error();
     return published_;
   }
@@ -91,6 +95,7 @@ class Publisher {
 
   static inline const std::string kAssetFolder = "assets/";
   ObjectStore& store_;
+  const BeforeList& before_list_;
   v1::StoredScene list_;
   PublishedScene published_;
   std::map<std::string, std::string> hashes_;  // of files, by path
@@ -106,13 +111,15 @@ std::string name_of(const SceneText& text) {
 
 }  // namespace
 
-Result<PublishedScene> publish_scene(const fs::path& path, ObjectStore& store) {
+Result<PublishedScene> publish_scene(
+    const fs::path& path, ObjectStore& store,
+    const std::function<Result<void>(const std::string& list_hash)>& before_list) {
   auto text = read_scene(path);
   if (!text) return text.error();
   auto scene = Scene::build(text->file, text->folder, text->name, {});
   if (!scene) return Error{scene.error().code, text->name + ": " + scene.error().message};
 
-  Publisher publisher(store);
+  Publisher publisher(store, before_list);
   const auto add = [&](const std::string& given) -> Result<void> {
     const auto bytes = read_file(text->folder / given);
     if (!bytes) return bytes.error();

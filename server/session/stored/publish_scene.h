@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "core/result.h"
@@ -24,6 +25,10 @@ struct PublishedScene {
 //   (livegs.v1.StoredScene), written last
 // `path`: a scene file, a folder of assets or one asset, built here once for the assets of shapes and pieces.
 // Objects that the store has are not written again.
-Result<PublishedScene> publish_scene(const std::filesystem::path& path, ObjectStore& store);
+// `before_list`: called with the hash of the list before it is written; an error ends the publication. May
+// be empty.
+Result<PublishedScene> publish_scene(
+    const std::filesystem::path& path, ObjectStore& store,
+    const std::function<Result<void>(const std::string& list_hash)>& before_list = {});
 
 }  // namespace livegs

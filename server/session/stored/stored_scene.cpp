@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text/path_ending.h"
@@ -44,12 +45,14 @@ bool is_inside(const std::string& path) {
   return true;
 }
 
-Result<v1::StoredScene> read_list(ObjectStore& store, const std::string& name) {
+// `hash`: of the list.
+Result<v1::StoredScene> read_list(ObjectStore& store, const std::string& name, std::string& hash) {
   auto bytes = store.get(name, kMaxListBytes);
   if (!bytes)
     return Error{bytes.error().code, bytes.error().message + (bytes.error().code == ErrorCode::NotFound
                                                                   ? "; store the scene with livegs publish"
                                                                   : "")};
+  hash = content_hash(*bytes);
   v1::StoredScene list;
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   if (auto parsed = parse_json_message(text, list); !parsed)
@@ -94,6 +97,7 @@ Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, c
 StoredScene::StoredScene(StoredScene&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, {})),
+      list_hash_(std::move(other.list_hash_)),
       assets_(std::move(other.assets_)) {}
 
 StoredScene::~StoredScene() {
@@ -118,10 +122,9 @@ Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::stri
     return invalid_argument(shown_url(scene) +
                             ": is not the address of a NAME.scene.json; give that of livegs publish");
   ObjectStore& lists = remote ? *at->store : *store;
-  const auto list = read_list(lists, without_scene_ending(name) + ".files.json");
-  if (!list) return list.error();
-
   StoredScene fetched;
+  const auto list = read_list(lists, without_scene_ending(name) + ".files.json", fetched.list_hash_);
+  if (!list) return list.error();
   for (const auto& asset : list->assets()) fetched.assets_.push_back({asset.hash(), asset.web_sha256()});
   fs::path folder;
   if (remote) {

@@ -23,12 +23,14 @@ class StoredScene {
   ~StoredScene();
 
   const std::filesystem::path& path() const { return path_; }  // of the scene, local
+  const std::string& list_hash() const { return list_hash_; }  // of NAME.files.json: of all files
   // The assets that clients find in the store.
   const std::vector<ClientStore::Asset>& assets() const { return assets_; }
 
  private:
   StoredScene() = default;
   std::filesystem::path path_, temporary_;
+  std::string list_hash_;
   std::vector<ClientStore::Asset> assets_;
 };
 

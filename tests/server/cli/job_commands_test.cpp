@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// segment, analyze and fit as jobs: all files by address, repeated, and killed at random moments.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <future>
+#include <random>
+#include <thread>
+
+#include "capture/capture.h"
+#include "capture/read/pose_files.h"
+#include "core/file.h"
+#include "gaussian/asset_file.h"
+#include "object_store_mock.h"
+#include "sample/made_room.h"
+#include "scratch_folder.h"
+#include "server/fit/hidden_motion.h"
+#include "server/parts/part_scores.h"
+#include "splat/camera_file.h"
+#include "system/support/program.h"
+#include "system/support/read_metrics.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+constexpr int kKills = 10;
+constexpr double kSpacing_m = 0.01;  // of the kernels of a small room
+
+constexpr const char* kHall = R"({
+  "environment": { "colliders": [ { "plane": {} } ] },
+  "objects": [
+    { "name": "ball", "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0, 0.1, 0] } },
+    { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.4, 0.1, 0] } } ] })";
+
+std::string block_scene(double modulus_pa) {
+  return R"({ "gravity_m_s2": [0, 0, 0], "objects": [ { "name": "block", "shape": { "box": { "size_m": [0.1, 0.3, 0.1] } },
+      "spacing_m": 0.05, "physics": { "behavior": "ELASTIC", "density_kg_m3": 500, "damping": 0.1, "youngs_modulus_pa": )" +
+         std::to_string(modulus_pa) +
+         R"( }, "regions": [ { "box": { "max_m": [1, -0.1, 1] }, "fixed": true } ] } ],
+      "events": [ { "time_s": 0.05, "force": { "object": "block", "point_m": [0, 0.14, 0], "force_n": [3, 0, 0],
+                                               "duration_s": 0.2 } } ] })";
+}
+
+class JobCommands : public ::testing::Test {
+ protected:
+  std::string at(const std::string& name) const { return mock_.url() + "/" + name; }
+  void store_file(const std::string& name, const fs::path& path) {
+    mock_.set(name, read_text_file(path, kMaxFileBytes).value());
+  }
+  void publish(const fs::path& scene, const std::string& folder) {
+    Program tool({LIVEGS_TOOL, "publish", scene, "--asset-store", at(folder)});
+    ASSERT_EQ(tool.wait(), 0) << tool.err();
+  }
+  void store_room() {
+    MadeRoomOptions options;
+    options.spacing_m = kSpacing_m;
+    const MadeRoom room = make_room(RoomKind::Apart, options);
+    ASSERT_TRUE(write_asset(folder_ / "room.ply", room.asset));
+    store_file("in/room.ply", folder_ / "room.ply");
+    Capture photos;
+    for (const Camera& camera : orbit(room.middle_m, {0, -1, 0}, 1.1, 8, 160, 0.0, 2 * M_PI)) {
+      photos.views.emplace_back().camera = camera;
+      photos.views.back().picture = "v" + std::to_string(photos.views.size()) + ".png";
+    }
+    mock_.set("in/transforms.json", transforms_text(photos));
+  }
+  void store_hall() { publish(folder_.write("hall.scene.json", kHall), "in"); }
+  static Words job(Words words) {
+    words.insert(words.begin(), LIVEGS_TOOL);
+    words.insert(words.end(), {"--threads", "1"});
+    return words;
+  }
+  Words marked(Words words) const {
+    words.insert(words.end(), {"--checkpoints", at("state")});
+    return job(words);
+  }
+  // Everything but the marks.
+  std::map<std::string, std::string> objects() const {
+    std::map<std::string, std::string> all;
+    for (const std::string& name : mock_.names()) {
+      if (!name.starts_with("state/")) all[name] = mock_.get(name);
+    }
+    return all;
+  }
+  void reset(const std::map<std::string, std::string>& objects) {
+    mock_.remove_below("");
+    for (const auto& [name, bytes] : objects) mock_.set(name, bytes);
+  }
+  // The repetition of a finished job writes nothing.
+  void expect_done(const Words& words) {
+    const size_t seen = mock_.requests().size();
+    Program again(words);
+    EXPECT_EQ(again.wait(), 0) << again.err();
+    EXPECT_NE(again.out().find("is done already"), std::string::npos) << again.out() << again.err();
+    for (const auto& all = mock_.requests(); const SeenRequest& request : std::span(all).subspan(seen))
+      EXPECT_NE(request.method, "PUT") << request.path;
+  }
+  // Runs the job undisturbed, then killed at random moments and repeated: the store has the same bytes.
+  void expect_same_bytes_after_kills(const Words& words) {
+    const auto before = objects();
+    const auto begun = std::chrono::steady_clock::now();
+    Program whole(words);
+    ASSERT_EQ(whole.wait(), 0) << whole.err();
+    const auto length = std::chrono::steady_clock::now() - begun;
+    const auto after = objects();
+    EXPECT_GT(after.size(), before.size());
+    expect_done(words);
+    reset(before);
+    std::mt19937 random(7);
+    for (int killed = 0, runs = 0; killed < kKills; ++runs) {
+      ASSERT_LT(runs, 100);
+      Program job(words);
+      std::this_thread::sleep_for(length * std::uniform_real_distribution<double>(0.0, 1.0)(random));
+      job.send(SIGKILL);
+      const int code = job.wait();
+      ASSERT_TRUE(code == 128 + SIGKILL || code == 0) << code << job.err();
+      killed += code == 128 + SIGKILL;
+      if (code == 0) {  // it ended before the kill: from the begin again
+        EXPECT_EQ(objects(), after);
+        reset(before);
+      }
+    }
+    Program last(words);
+    ASSERT_EQ(last.wait(), 0) << last.err();
+    EXPECT_EQ(objects(), after);
+    expect_done(words);
+  }
+  // As above, with a kill at each write: the store keeps the object, and the job never sees the reply.
+  void expect_same_bytes_after_a_kill_at_each_write(const Words& words) {
+    const auto before = objects();
+    Program whole(words);
+    ASSERT_EQ(whole.wait(), 0) << whole.err();
+    const auto after = objects();
+    reset(before);
+    for (int write = 0, code = 128 + SIGKILL; code != 0; ++write) {
+      std::atomic<int> seen = 0;
+      std::promise<pid_t> process;
+      mock_.set_fault([&, id = process.get_future().share()](const SeenRequest& request, int) {
+        if (request.method == "PUT" && seen++ == write) ::kill(id.get(), SIGKILL);
+        return std::optional<Reply>();
+      });
+      Program job(words);
+      process.set_value(job.process());
+      code = job.wait();
+      mock_.set_fault({});
+      ASSERT_TRUE(code == 128 + SIGKILL || code == 0) << code << job.err();
+      if (code == 0) EXPECT_GT(write, 2);
+      Program next(words);
+      ASSERT_EQ(next.wait(), 0) << next.err();
+      EXPECT_EQ(objects(), after) << "killed at write " << write;
+      reset(before);
+    }
+  }
+  ScratchFolder folder_;
+  ObjectStoreMock mock_;
+};
+
+TEST_F(JobCommands, AKilledSegmentationEndsWithTheSameBytes) {
+  store_room();
+  expect_same_bytes_after_kills(
+      marked({"segment", at("in/room.ply"), "--cameras", at("in/transforms.json"), "-o", at("out/things")}));
+}
+
+TEST_F(JobCommands, AKilledAnalysisEndsWithTheSameBytes) {
+  store_hall();
+  expect_same_bytes_after_kills(
+      marked({"analyze", at("in/hall.scene.json"), "--offline", "--explain", at("out/pages")}));
+}
+
+// The scene is input and output.
+TEST_F(JobCommands, AKilledAnalysisThatWritesEndsWithTheSameBytes) {
+  store_hall();
+  expect_same_bytes_after_kills(marked({"analyze", at("in/hall.scene.json"), "--offline", "--write"}));
+}
+
+TEST_F(JobCommands, AnAnalysisIsKilledAtEachOfItsWrites) {
+  store_hall();
+  expect_same_bytes_after_a_kill_at_each_write(
+      marked({"analyze", at("in/hall.scene.json"), "--offline", "--write"}));
+}
+
+TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
+  HiddenMotion motion;
+  motion.truth = scene_of(block_scene(5e4));
+  motion.request.camera = look_at({0.2, 0.1, 0.9}, {0.03, 0, 0}, Eigen::Vector3d::UnitY(), 0.6, 320, 240);
+  motion.seconds = 0.4;
+  ASSERT_TRUE(write_camera_file(folder_ / "camera.json", motion.request.camera));
+  ASSERT_TRUE(write_tracks_file(folder_ / "paths.csv", exact_tracks(motion, 20)));
+  store_file("in/camera.json", folder_ / "camera.json");
+  store_file("in/paths.csv", folder_ / "paths.csv");
+  publish(folder_.write("block.scene.json", block_scene(2e5)), "in");
+  expect_same_bytes_after_kills(
+      marked({"fit", at("in/block.scene.json"), "--tracks", at("in/paths.csv"), "--camera",
+              at("in/camera.json"), "--find", "block=youngs_modulus_pa", "-o", at("out/fit")}));
+}
+
+// A job without an output file is done once it has printed its result; other values make it another job.
+TEST_F(JobCommands, APrintedAnalysisIsDoneOnce) {
+  MadeRoomOptions options;
+  options.spacing_m = kSpacing_m;
+  const std::string asset = folder_ / "room.ply";
+  ASSERT_TRUE(write_asset(asset, make_room(RoomKind::Apart, options).asset));
+  const Words words = marked({"analyze", asset, "--offline"});
+  Program first(words);
+  ASSERT_EQ(first.wait(), 0) << first.err();
+  expect_done(words);
+  Program writing(job({"analyze", asset, "--offline", "--write"}));
+  ASSERT_EQ(writing.wait(), 0) << writing.err();
+  ASSERT_TRUE(fs::exists(folder_ / "room.physics.json"));
+  Program other(words);
+  ASSERT_EQ(other.wait(), 0) << other.err();
+  EXPECT_EQ(other.out().find("is done already"), std::string::npos) << other.out();
+}
+
+TEST_F(JobCommands, ValuesOfAnAssetAtAnAddressHaveNoPlace) {
+  store_room();
+  Program refused(job({"analyze", at("in/room.ply"), "--offline", "--write"}));
+  EXPECT_EQ(refused.wait(), 2);
+  EXPECT_NE(refused.err().find("room.ply: has no place for the values of --write"), std::string::npos)
+      << refused.err();
+}
+
+// The last request of the job waits, so that the metrics show its end.
+TEST_F(JobCommands, TheMetricsShowTheProgress) {
+  store_room();
+  store_hall();
+  const auto steps_of = [&](const std::string& command, Words words, const std::string& last) {
+    words.insert(words.end(), {"--metrics", "0"});
+    std::promise<void> arrived, read;
+    mock_.set_fault([&, waits = read.get_future().share()](const SeenRequest& request, int) {
+      if (request.method != "PUT" || request.path != last) return std::optional<Reply>();
+      arrived.set_value();
+      waits.wait();
+      return std::optional<Reply>();
+    });
+    Program program(job(words));
+    EXPECT_TRUE(program.says("/metrics"));
+    arrived.get_future().wait();
+    const auto values = metrics_at(metrics_port_in(program.err()));
+    read.set_value();
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    mock_.set_fault({});
+    return std::pair(values.at("livegs_job_steps_done{command=\"" + command + "\"}"),
+                     values.at("livegs_job_steps{command=\"" + command + "\"}"));
+  };
+  EXPECT_GT(
+      steps_of("segment",
+               {"segment", at("in/room.ply"), "--cameras", at("in/transforms.json"), "-o", at("out/things")},
+               "/out/things/room.scene.json")
+          .first,
+      4);
+  EXPECT_EQ(steps_of("analyze", {"analyze", at("in/hall.scene.json"), "--offline", "--write"},
+                     "/in/hall.files.json"),
+            std::pair(2.0, 2.0));
+}
+
+}  // namespace
+}  // namespace livegs
