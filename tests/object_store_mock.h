@@ -13,7 +13,8 @@
 
 namespace livegs {
 
-// An HTTP store on 127.0.0.1: GET with ranges, HEAD and PUT of objects by path, and faults on request.
+// An HTTP store on 127.0.0.1: GET with ranges and versions (ETag, If-Range), HEAD and PUT of objects by path,
+// and faults on request.
 class ObjectStoreMock {
  public:
   // A reply in place of the store's own; nothing: its own. `index`: of the request for this path, from 0 on.
@@ -45,7 +46,13 @@ class ObjectStoreMock {
     fault_ = std::move(fault);
     counts_.clear();
   }
-  void ignore_ranges() { ranges_ = false; }  // before the first request
+  void ignore_ranges() { ranges_ = false; }      // before the first request
+  void ignore_versions() { versions_ = false; }  // likewise: no If-Range
+  // Likewise; milliseconds before each piece of a request's body, of at most 64 KiB.
+  void receive_slowly(int pause_ms) { server_.receive_slowly(pause_ms); }
+  static std::string etag_of(const std::string& bytes) {
+    return '"' + std::to_string(std::hash<std::string>{}(bytes)) + '"';
+  }
 
   std::vector<SeenRequest> requests() const {
     std::lock_guard lock(mutex_);
@@ -76,11 +83,15 @@ class ObjectStoreMock {
       return reply;
     }
     const std::string& bytes = found->second;
-    const size_t range = request.head.find("Range: bytes=");
-    if (range == std::string::npos || !ranges_) {
+    const std::string etag = etag_of(bytes);
+    reply.headers.push_back("ETag: " + etag);
+    const size_t range = request.head.find("\r\nRange: bytes=");
+    const bool other_version = versions_ && request.head.find("If-Range: ") != std::string::npos &&
+                               request.head.find("If-Range: " + etag) == std::string::npos;
+    if (range == std::string::npos || !ranges_ || other_version) {
       reply.body = bytes;
     } else {
-      const size_t from = std::strtoull(request.head.c_str() + range + 13, nullptr, 10);
+      const size_t from = std::strtoull(request.head.c_str() + range + 15, nullptr, 10);
       if (from >= bytes.size()) {
         reply.status = 416;
         reply.headers.push_back("Content-Range: bytes */" + std::to_string(bytes.size()));
@@ -100,7 +111,7 @@ class ObjectStoreMock {
   std::map<std::string, int> counts_;
   std::vector<SeenRequest> requests_;
   Fault fault_;
-  bool ranges_ = true;
+  bool ranges_ = true, versions_ = true;
   size_t sent_bytes_ = 0;
   TestHttpServer server_{[this](const SeenRequest& request) { return answer(request); }};
 };

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
@@ -22,6 +23,7 @@ struct TestHttpServer::State {
   bool handles_all = false;
   OtherHandler others;
   int listener = -1, port = 0;
+  std::atomic<int> receive_pause_ms = 0;
   mutable std::mutex mutex;  // guards the members below
   mutable std::condition_variable changed;
   bool stopping = false;
@@ -46,11 +48,12 @@ struct TestHttpServer::State {
     return true;
   }
 
-  static bool receive(int socket, SeenRequest& request) {
+  bool receive(int socket, SeenRequest& request) const {
     std::string bytes;
     std::size_t head_end = std::string::npos, length = 0;
     char buffer[65536];
     while (head_end == std::string::npos || bytes.size() < head_end + 4 + length) {
+      if (receive_pause_ms > 0 && !pause(receive_pause_ms)) return false;
       const ssize_t count = ::recv(socket, buffer, sizeof buffer, 0);
       if (count <= 0) return false;
       bytes.append(buffer, static_cast<std::size_t>(count));
@@ -225,6 +228,12 @@ bool TestHttpServer::wait_for_posts(std::size_t count, double seconds) const {
 int TestHttpServer::connections() const {
   std::lock_guard lock(state_->mutex);
   return static_cast<int>(state_->connections.size());
+}
+
+void TestHttpServer::receive_slowly(int pause_ms) {
+  const int kept_bytes = 1 << 16;
+  ::setsockopt(state_->listener, SOL_SOCKET, SO_RCVBUF, &kept_bytes, sizeof kept_bytes);
+  state_->receive_pause_ms = pause_ms;
 }
 
 int TestHttpServer::most_at_once() const {

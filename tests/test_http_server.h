@@ -59,6 +59,9 @@ class TestHttpServer {
                       double seconds) const;  // false on a timeout; also callable from the handler
   int connections() const;                    // so far
   int most_at_once() const;                   // POSTs in progress
+  // Before the first request: waits this long before each piece of a request, of at most 64 KiB, and keeps
+  // little of what is not yet read.
+  void receive_slowly(int pause_ms);
 
  private:
   void start(int port);

@@ -30,10 +30,10 @@ struct Transfer {
   HttpReply reply;
   CURL* easy = nullptr;
   curl_slist* headers = nullptr;
-  std::int64_t last_byte_ns = 0;             // received or sent; at first the begin
-  std::uint64_t received = 0;                // bytes of a successful body
-  std::optional<std::uint64_t> range_begin;  // of a reply of status 206
-  std::size_t put_bytes = 0;                 // sent of HttpRequest::put
+  std::int64_t begun_ns = 0, last_byte_ns = 0;  // last_byte_ns: received or sent; at first the begin
+  std::uint64_t received = 0;                   // bytes of a successful body
+  std::optional<std::uint64_t> range_begin;     // of a reply of status 206
+  std::size_t put_bytes = 0;                    // sent of HttpRequest::put
   bool any_byte = false, too_large = false, satisfied = false, bad_range = false;
   std::atomic<bool> cancelled = false;
   bool done = false;  // guarded by the worker's mutex
@@ -55,10 +55,15 @@ long read_status(Transfer& transfer) {
   return status;
 }
 
-// Reads the size and place of the body from the header.
+// Reads the version of the object, and the size and place of the body, from the header.
 void read_place(Transfer& transfer) {
   const long status = read_status(transfer);
   curl_header* header = nullptr;
+  for (const char* name : {"ETag", "Last-Modified"}) {
+    if (transfer.reply.version.empty() &&
+        curl_easy_header(transfer.easy, name, 0, CURLH_HEADER, -1, &header) == CURLHE_OK)
+      transfer.reply.version = header->value;
+  }
   curl_off_t length = -1;
   if (status == 206 || status == 416) {
     if (curl_easy_header(transfer.easy, "Content-Range", 0, CURLH_HEADER, -1, &header) == CURLHE_OK)
@@ -78,7 +83,8 @@ std::size_t receive_part(std::string_view bytes, long status, Transfer& transfer
   }
   const std::uint64_t offset = (status == 206 ? *transfer.range_begin : 0) + transfer.received;
   transfer.received += bytes.size();
-  if (transfer.request->on_part({offset, transfer.reply.total_bytes, bytes})) return bytes.size();
+  if (transfer.request->on_part({offset, transfer.reply.total_bytes, transfer.reply.version, bytes}))
+    return bytes.size();
   transfer.satisfied = true;
   return CURL_WRITEFUNC_ERROR;
 }
@@ -90,6 +96,7 @@ std::size_t send_put(char* bytes, std::size_t, std::size_t most, void* user) {
   if (count > 0) std::memcpy(bytes, rest.data(), count);
   transfer.put_bytes += count;
   transfer.last_byte_ns = now_ns();
+  transfer.reply.sending_s = seconds_from_ns(transfer.last_byte_ns - transfer.begun_ns);
   return count;
 }
 
@@ -160,6 +167,7 @@ void prepare(Transfer& transfer) {
     wipe(line);
   }
   if (request.put) add("Content-Type: application/octet-stream");
+  if (request.from > 0 && !request.if_version.empty()) add(("If-Range: " + request.if_version).c_str());
   if (request.sign) sign(transfer, *request.sign);
   curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
   curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers);
@@ -289,7 +297,7 @@ void HttpClient::Worker::take_new() {
     fresh.swap(arrivals);
   }
   for (Transfer* transfer : fresh) {
-    transfer->last_byte_ns = now_ns();
+    transfer->begun_ns = transfer->last_byte_ns = now_ns();
     prepare(*transfer);
     curl_multi_add_handle(multi, transfer->easy);
     active.push_back(transfer);

@@ -31,6 +31,7 @@ struct AwsKeys {
 struct HttpPart {
   std::uint64_t offset = 0;
   std::optional<std::uint64_t> total_bytes;  // of the whole object, if the server gives it
+  std::string_view version;                  // as HttpReply::version
   std::string_view bytes;
 };
 
@@ -41,6 +42,7 @@ struct HttpRequest {
   bool head = false;
   const std::span<const std::byte>* put = nullptr;  // PUT of these bytes; must outlive the call
   std::uint64_t from = 0;                           // first byte that is wanted (Range); 0: the whole
+  std::string if_version;  // the whole if the object has another version now (If-Range); empty: any
   bool event_stream = false;
   const Secret* bearer = nullptr;  // must outlive the call; sent as the Authorization header
   const AwsKeys* sign = nullptr;   // likewise
@@ -73,6 +75,8 @@ struct HttpReply {
   int status = 0;       // 0 without a reply
   std::string content_type, body;
   std::optional<std::uint64_t> total_bytes;  // of the whole object, of a reply of status 200, 206 or 416
+  std::string version;                       // of the object: ETag, else Last-Modified, else empty
+  double sending_s = 0;                      // from the begin to the last byte of `put` that was sent
   std::optional<double> retry_after_s;       // seconds from now, from either form of Retry-After
 };
 

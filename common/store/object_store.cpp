@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "store/object_store.h"
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -21,11 +26,38 @@ namespace fs = std::filesystem;
 constexpr std::size_t kFilePieceBytes = 1 << 20;
 // Pause before a failed request is repeated; doubled each time.
 constexpr double kFirstPause_s = 0.1, kMaxPause_s = 2;
+constexpr int kMaxChanges = 3;  // of an object during one read
 
 std::string without_trailing_slashes(std::string text) {
   while (text.size() > 1 && text.back() == '/' && !text.ends_with("://")) text.pop_back();
   return text;
 }
+
+// The bytes of a file, mapped and read-only.
+class MappedFile {
+ public:
+  explicit MappedFile(const fs::path& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (file >= 0 && ::fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
+      size_ = static_cast<std::size_t>(status.st_size);
+      // An empty file cannot be mapped.
+      bytes_ = size_ == 0 ? nullptr : ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
+    }
+    if (file >= 0) ::close(file);
+  }
+  ~MappedFile() {
+    if (valid() && size_ > 0) ::munmap(bytes_, size_);
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  bool valid() const { return bytes_ != MAP_FAILED; }
+  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(bytes_), size_}; }
+
+ private:
+  void* bytes_ = MAP_FAILED;
+  std::size_t size_ = 0;
+};
 
 class FolderStore final : public ObjectStore {
  public:
@@ -79,7 +111,7 @@ class FolderStore final : public ObjectStore {
   const fs::path folder_;
 };
 
-// Repeats a request until it succeeds, fails for good, or no byte has arrived for the patience.
+// Repeats a request until it succeeds, fails for good, or no byte has moved for the patience.
 class Repetition {
  public:
   Repetition(const StoreTimes& times, std::stop_token stop) : times_(times), stop_(std::move(stop)) {}
@@ -87,6 +119,9 @@ class Repetition {
     progress_ns_ = now_ns();
     pause_s_ = kFirstPause_s;
   }
+  // Time in which bytes moved that must be sent again: it neither counts as patience nor restores it, so that
+  // a store which refuses every upload at its end does not receive it for ever.
+  void moved(double seconds) { progress_ns_ += static_cast<std::int64_t>(seconds * 1e9); }
   // Whether another attempt is due; waits before it.
   bool again(std::optional<double> retry_after_s) {
     const double pause_s = std::max(pause_s_, std::min(retry_after_s.value_or(0), times_.patience_s));
@@ -108,6 +143,17 @@ class Repetition {
   double pause_s_ = kFirstPause_s;
 };
 
+// What a store says of an object besides its bytes; a part may be missing.
+struct ObjectVersion {
+  std::string tag;  // as HttpReply::version
+  std::optional<std::uint64_t> total_bytes;
+
+  bool differs(const ObjectVersion& other) const {
+    return (!tag.empty() && !other.tag.empty() && tag != other.tag) ||
+           (total_bytes && other.total_bytes && *total_bytes != *other.total_bytes);
+  }
+};
+
 class HttpStore final : public ObjectStore {
  public:
   HttpStore(std::string base, std::string shown, std::optional<AwsKeys> keys, const StoreTimes& times)
@@ -117,12 +163,25 @@ class HttpStore final : public ObjectStore {
                     std::stop_token stop) override {
     Repetition repetition(times_, stop);
     std::uint64_t at = offset;
+    std::optional<ObjectVersion> version;  // of the bytes before `at`
+    int changes = 0;
     for (;;) {
       HttpRequest request = to(name);
       request.from = at;
+      // A weak ETag does not stand for the bytes.
+      if (version && !version->tag.starts_with("W/")) request.if_version = version->tag;
       std::optional<Error> refused;
       const std::uint64_t begun_at = at;
+      bool changed = false;
       request.on_part = [&](const HttpPart& part) {
+        const ObjectVersion now{std::string(part.version), part.total_bytes};
+        if (version && version->differs(now)) {
+          changed = true;
+          version.reset();
+          at = offset;
+          if (part.offset > at) return false;
+        }
+        version = now;
         if (part.offset > at) {
           refused = invalid_data(shown(name) + ": the store sent bytes from " + std::to_string(part.offset) +
                                  " on instead of " + std::to_string(at));
@@ -141,6 +200,14 @@ class HttpStore final : public ObjectStore {
       };
       const HttpReply reply = client_.send(request, stop);
       if (refused) return *refused;
+      if (reply.status == 416 && version && reply.total_bytes != at) {  // it is shorter now
+        changed = true;
+        version.reset();
+        at = offset;
+      }
+      if (changed && ++changes > kMaxChanges)
+        return Error{ErrorCode::Unavailable, shown(name) + ": changes while it is read"};
+      if (changed && !version) continue;
       if (reply.end == HttpReply::End::Complete) {
         if (reply.status == 416 && reply.total_bytes == at) return {};  // nothing is left
         if (reply.status == 200 || reply.status == 206) {
@@ -148,7 +215,7 @@ class HttpStore final : public ObjectStore {
           if (*reply.total_bytes < at)
             return invalid_data(shown(name) + ": has " + std::to_string(*reply.total_bytes) +
                                 " bytes, but byte " + std::to_string(at) + " is wanted");
-          if (at > begun_at) continue;  // the server limits the length of a range
+          if (at > begun_at || changed) continue;  // the server limits the length of a range
         }
       }
       const Error error = error_of(name, reply);
@@ -193,6 +260,7 @@ class HttpStore final : public ObjectStore {
     Repetition repetition(times_, stop);
     for (;;) {
       HttpReply reply = client_.send(request, stop);
+      repetition.moved(reply.sending_s);
       if (reply.end == HttpReply::End::Complete && reply.status >= 200 && reply.status < 300) return reply;
       const Error error = error_of(name, reply);
       if (error.code == ErrorCode::Unavailable && repetition.again(reply.retry_after_s)) continue;
@@ -315,7 +383,8 @@ Result<std::vector<std::byte>> ObjectStore::get(const std::string& name, std::ui
   std::vector<std::byte> all;
   auto done = read(
       name, 0,
-      [&](std::uint64_t, std::span<const std::byte> bytes) -> Result<void> {
+      [&](std::uint64_t offset, std::span<const std::byte> bytes) -> Result<void> {
+        all.resize(offset);  // shorter if the object changed
         if (bytes.size() > max_bytes - all.size())
           return Error{ErrorCode::TooLarge,
                        shown(name) + ": is larger than " + std::to_string(max_bytes) + " bytes"};
@@ -325,6 +394,26 @@ Result<std::vector<std::byte>> ObjectStore::get(const std::string& name, std::ui
       stop);
   if (!done) return done.error();
   return all;
+}
+
+Result<void> ObjectStore::put_file(const std::string& name, const fs::path& path, std::stop_token stop) {
+  const MappedFile file(path);
+  if (!file.valid()) return not_found(path.string() + ": is not a file that can be read");
+  return put(name, file.bytes(), stop);
+}
+
+Result<std::string> ObjectStore::hash(const std::string& name, std::stop_token stop) {
+  ContentHasher hasher;
+  auto done = read(
+      name, 0,
+      [&](std::uint64_t offset, std::span<const std::byte> bytes) -> Result<void> {
+        if (offset == 0) hasher = {};
+        hasher.add(bytes);
+        return {};
+      },
+      stop);
+  if (!done) return done.error();
+  return hasher.hash();
 }
 
 Result<std::vector<std::byte>> ObjectStore::get_by_hash(const std::string& hash, std::uint64_t max_bytes,

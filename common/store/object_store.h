@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,7 +22,8 @@ inline constexpr std::uint64_t kMaxObjectBytes = std::uint64_t{4} << 30;
 
 // Limits of one call, seconds.
 struct StoreTimes {
-  double patience_s = 20;  // without a byte, over all repetitions of a failing request
+  double patience_s = 20;  // without a byte, over all repetitions of a failing request; the time in which an
+                           // upload sends bytes does not count
   double stall_s = 10;     // without a byte, of one request
 };
 
@@ -42,13 +44,12 @@ std::string shown_url(std::string_view text);
 //   than Amazon's. Without keys the requests are not signed.
 //
 // A request that fails in passing (no connection, cut or stalled transfer, status 408, 429 or 5xx) is
-// repeated, a transfer from its last byte on, until no byte arrived for StoreTimes::patience_s. Errors name
-// the object and the cause, never a key:
-//   Unavailable       passing, but patience ended; or `stop` was requested
-//   NotFound          no such object (404, 410)
-//   PermissionDenied  401, 403
-//   InvalidData       wrong range, size or hash
-//   InvalidArgument   any other refusal
+// repeated, a read from its last byte on, until no byte moved for StoreTimes::patience_s. A read gives the
+// bytes of one version of an object (ETag, Last-Modified, size). Errors name the object and the cause, never
+// a key:
+//   Unavailable       passing, but patience ended; the object changes again and again; or `stop` was
+//   requested NotFound          no such object (404, 410) PermissionDenied  401, 403 InvalidData       wrong
+//   range, size or hash InvalidArgument   any other refusal
 class ObjectStore {
  public:
   // InvalidArgument for an address without a host or bucket, or for a name of the environment that is
@@ -56,7 +57,8 @@ class ObjectStore {
   static Result<std::shared_ptr<ObjectStore>> open(const std::string& place, const StoreTimes& times = {});
   virtual ~ObjectStore() = default;
 
-  // Takes a piece of an object, in order; an error ends the transfer.
+  // Takes a piece of an object, in order; an error ends the transfer. If the object changes during the
+  // transfer, its pieces begin again at the offset of the first one, and those before are void.
   using Take = std::function<Result<void>(std::uint64_t offset, std::span<const std::byte> bytes)>;
   // The bytes from `offset` on; none at the end of the object.
   virtual Result<void> read(const std::string& name, std::uint64_t offset, const Take& take,
@@ -64,6 +66,9 @@ class ObjectStore {
   // Creates or replaces an object.
   virtual Result<void> put(const std::string& name, std::span<const std::byte> bytes,
                            std::stop_token stop = {}) = 0;
+  // The same from a regular file of any size, which is not copied into memory and must not become shorter.
+  Result<void> put_file(const std::string& name, const std::filesystem::path& path,
+                        std::stop_token stop = {});
   // Bytes of an object; nothing if it does not exist.
   virtual Result<std::optional<std::uint64_t>> size(const std::string& name, std::stop_token stop = {}) = 0;
 
@@ -74,6 +79,8 @@ class ObjectStore {
   Result<std::vector<std::byte>> get_by_hash(const std::string& hash,
                                              std::uint64_t max_bytes = kMaxObjectBytes,
                                              std::stop_token stop = {});
+  // SHA-256 of an object; its bytes are not kept.
+  Result<std::string> hash(const std::string& name, std::stop_token stop = {});
   std::string shown(const std::string& name) const;  // for messages
 
  protected:

@@ -164,19 +164,23 @@ Result<fs::path> Job::input(const fs::path& given) {
     std::error_code failed;
     fs::create_directories(into, failed);
     local = into / place->name.substr(0, place->name.find('?'));
-    std::ofstream out(local, std::ios::binary | std::ios::trunc);
-    const auto read =
-        place->store->read(place->name, 0, [&](uint64_t, std::span<const std::byte> bytes) -> Result<void> {
+    const Error unwritten{ErrorCode::Internal,
+                          local.string() + ": cannot be written; free space or set TMPDIR"};
+    std::ofstream out;
+    const auto read = place->store->read(
+        place->name, 0, [&](uint64_t offset, std::span<const std::byte> bytes) -> Result<void> {
+          if (offset == 0) {  // also if the object changed
+            out.close();
+            out.open(local, std::ios::binary | std::ios::trunc);
+          }
           out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-          if (!out)
-            return Error{ErrorCode::Internal,
-                         local.string() + ": cannot be written; free space or set TMPDIR"};
+          if (!out) return unwritten;
           return {};
         });
-    out.close();
     if (!read) return read.error();
-    if (!out)
-      return Error{ErrorCode::Internal, local.string() + ": cannot be written; free space or set TMPDIR"};
+    if (!out.is_open()) out.open(local, std::ios::binary | std::ios::trunc);  // an empty object
+    out.close();
+    if (!out) return unwritten;
     if (auto added = add_file_to_key(local); !added) return added.error();
     if (!has_ending(local.string(), ".zip")) return local;
     return unpack_zip(local, into / "unpacked");

@@ -74,6 +74,11 @@ TEST(ObjectStore, FolderAndHttpKeepTheSameObjects) {
     EXPECT_EQ(text_of(store->get("x/one").value()), bytes);
     ASSERT_TRUE(store->put("x/one", {}));
     EXPECT_EQ(store->get("x/one").value().size(), 0u);
+    ASSERT_TRUE(store->put_file("x/two", folder.write("two", bytes)));
+    EXPECT_EQ(store->hash("x/two").value(), hash_of(bytes));
+    ASSERT_TRUE(store->put_file("x/two", folder.write("two", "")));
+    EXPECT_EQ(store->size("x/two").value(), 0u);
+    EXPECT_EQ(store->put_file("x/two", folder / "absent").error().code, ErrorCode::NotFound);
   }
 }
 
@@ -202,6 +207,69 @@ TEST(ObjectStore, RefusesOtherBytesThanTheHash) {
   const auto refused = store->get_by_hash(hash);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::InvalidData);
+}
+
+// The object is replaced after the first cut: with or without If-Range, no byte of the first version stays.
+TEST(ObjectStore, AChangedObjectIsReadFromItsBeginning) {
+  const std::string before = some_bytes(50'000), longer = some_bytes(70'000).substr(1);
+  const std::string shorter(100, 'x'), same_size = std::string(30'000, 'y') + before.substr(30'000);
+  for (const std::string& after : {longer, shorter, same_size}) {
+    for (const bool knows_versions : {true, false}) {
+      ObjectStoreMock mock;
+      if (!knows_versions) mock.ignore_versions();
+      mock.set("one", after);
+      mock.set_fault([&](const SeenRequest&, int index) -> std::optional<Reply> {
+        if (index > 0) return std::nullopt;
+        Reply cut;
+        cut.body = before;
+        cut.cut_after = 20'000;
+        cut.headers.push_back("ETag: " + ObjectStoreMock::etag_of(before));
+        return cut;
+      });
+      const auto store = opened(mock.url());
+      EXPECT_EQ(text_of(store->get("one").value()), after);
+      EXPECT_NE(mock.requests()[1].head.find("If-Range: " + ObjectStoreMock::etag_of(before)),
+                std::string::npos);
+      EXPECT_EQ(mock.requests().size(), knows_versions ? 2u : 3u);
+      mock.set_fault({});
+      EXPECT_EQ(store->hash("one").value(), hash_of(after));
+    }
+  }
+}
+
+TEST(ObjectStore, AnObjectThatAlwaysChangesIsNotRead) {
+  ObjectStoreMock mock;
+  const std::string bytes = some_bytes(1000);
+  mock.set_fault([&](const SeenRequest&, int index) {
+    Reply cut;
+    cut.body = bytes;
+    cut.cut_after = 500;
+    cut.headers.push_back("ETag: \"" + std::to_string(index) + '"');
+    return std::optional<Reply>(cut);
+  });
+  const auto refused = opened(mock.url())->get("one");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(refused.error().message.find("/one: changes while it is read"), std::string::npos)
+      << refused.error().message;
+}
+
+// The time in which bytes are sent is no part of the patience.
+TEST(ObjectStore, RepeatsAnUploadThatTakesLongerThanThePatience) {
+  constexpr StoreTimes kTimes{.patience_s = 1, .stall_s = 5};
+  ObjectStoreMock mock;
+  mock.receive_slowly(4);
+  const std::string bytes = some_bytes(24'000'000);
+  mock.set_fault([&](const SeenRequest&, int index) -> std::optional<Reply> {
+    if (index >= 1) return std::nullopt;
+    return status(503);
+  });
+  const int64_t begun_ns = now_ns();
+  const auto done = opened(mock.url(), kTimes)->put("one", std::as_bytes(std::span(bytes)));
+  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  EXPECT_GT(seconds_from_ns(now_ns() - begun_ns), 2 * kTimes.patience_s);
+  EXPECT_TRUE(mock.get("one") == bytes);
+  EXPECT_EQ(mock.requests().size(), 2u);
 }
 
 TEST(ObjectStore, EndsWhenItIsStopped) {

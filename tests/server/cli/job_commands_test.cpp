@@ -199,6 +199,29 @@ TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
               at("in/camera.json"), "--find", "block=youngs_modulus_pa", "-o", at("out/fit")}));
 }
 
+// The input is replaced by a shorter one while it is fetched.
+TEST_F(JobCommands, AChangedInputIsFetchedFromItsBeginning) {
+  store_room();
+  const auto segment_to = [&](const std::string& folder) {
+    Program program(
+        job({"segment", at("in/room.ply"), "--cameras", at("in/transforms.json"), "-o", at(folder)}));
+    EXPECT_EQ(program.wait(), 0) << program.err();
+  };
+  segment_to("out/first");
+  const std::string before = mock_.get("in/room.ply") + std::string(100'000, 'x');
+  mock_.set_fault([&](const SeenRequest& request, int index) {
+    if (request.path != "/in/room.ply" || index > 0) return std::optional<Reply>();
+    Reply cut;
+    cut.body = before;
+    cut.cut_after = before.size() - 1;
+    cut.headers.push_back("ETag: " + ObjectStoreMock::etag_of(before));
+    return std::optional<Reply>(cut);
+  });
+  segment_to("out/second");
+  EXPECT_EQ(mock_.get("out/second/room.ply"), mock_.get("out/first/room.ply"));
+  EXPECT_NE(mock_.get("out/first/room.ply"), "");
+}
+
 // A job without an output file is done once it has printed its result; other values make it another job.
 TEST_F(JobCommands, APrintedAnalysisIsDoneOnce) {
   MadeRoomOptions options;
