@@ -35,9 +35,9 @@ std::string text_of(std::span<const std::byte> bytes) {
 }
 
 Result<std::string> hash_of_file(const fs::path& path) {
-  const auto bytes = read_file(path, uint64_t{64} << 30);
-  if (!bytes) return bytes.error();
-  return content_hash(*bytes);
+  const auto place = open_object(path.string());
+  if (!place) return place.error();
+  return place->store->hash(place->name);
 }
 
 // All files below a folder, or the file itself, sorted.
@@ -232,18 +232,10 @@ Result<bool> Job::finished() {
     std::string hash, name;
     words >> bytes >> hash >> std::ws;
     std::getline(words, name);
-    std::string there;
-    if (place_ && place_->name.find('?') != std::string::npos) {
-      there = hash;  // a presigned address is for writing only
-    } else if (place_) {
-      const auto object_bytes = place_->store->get(name);
-      if (!object_bytes && object_bytes.error().code != ErrorCode::NotFound) return object_bytes.error();
-      if (object_bytes) there = content_hash(*object_bytes);
-    } else {
-      const auto kept = hash_of_file(output_.parent_path() / name);
-      if (kept) there = *kept;
-    }
-    if (there != hash) return false;
+    if (place_ && place_->name.find('?') != std::string::npos) continue;  // presigned, for writing only
+    const auto there = place_ ? place_->store->hash(name) : hash_of_file(output_.parent_path() / name);
+    if (!there && place_ && there.error().code != ErrorCode::NotFound) return there.error();
+    if (!there || *there != hash) return false;
   }
   return true;
 }
@@ -302,16 +294,17 @@ std::vector<fs::path> Job::output_files() const {
 Result<std::string> Job::store_outputs() {
   std::string mark;
   for (const fs::path& file : output_files()) {
-    const auto bytes = read_file(file);
-    if (!bytes) return bytes.error();
+    const auto hash = hash_of_file(file);
+    if (!hash) return hash.error();
     const std::string name = file.lexically_relative(output_.parent_path()).string();
     const size_t query = place_ ? place_->name.find('?') : std::string::npos;
     if (place_) {
       // A presigned address is for its own object only.
       const bool own = file == output_ && query != std::string::npos;
-      if (auto put = place_->store->put(own ? place_->name : name, *bytes); !put) return put.error();
+      if (auto put = place_->store->put_file(own ? place_->name : name, file); !put) return put.error();
     }
-    mark += std::to_string(bytes->size()) + " " + content_hash(*bytes) + " " + name + "\n";
+    std::error_code ignored;
+    mark += std::to_string(fs::file_size(file, ignored)) + " " + *hash + " " + name + "\n";
   }
   return mark;
 }

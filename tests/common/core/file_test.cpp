@@ -33,6 +33,14 @@ TEST(File, ErrorsContainPathAndReason) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(ContentHash, PiecesHaveTheHashOfTheWhole) {
+  const std::string text = "some bytes in three pieces";
+  const auto bytes = std::as_bytes(std::span(text));
+  ContentHasher hasher;
+  for (const auto piece : {bytes.first(7), bytes.subspan(7, 0), bytes.subspan(7)}) hasher.add(piece);
+  EXPECT_EQ(hasher.hash(), content_hash(bytes));
+}
+
 // FIPS 180-2, appendix B.1.
 TEST(ContentHash, IsSha256) {
   const std::string text = "abc";
