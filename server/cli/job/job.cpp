@@ -2,11 +2,9 @@
 #include "cli/job/job.h"
 
 #include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <set>
@@ -102,6 +100,8 @@ Result<std::unique_ptr<Job>> Job::begin(const CLI::App& command, const JobOption
     return Error{ErrorCode::Internal,
                  made + ": cannot be created: " + std::strerror(errno) + "; set TMPDIR to another folder"};
   job->folder_ = made;
+  job->eviction_ = std::make_unique<Eviction>(made);
+  ::setenv("TMPDIR", made.c_str(), 1);
   std::error_code ignored;
   std::ofstream(job->folder_ / "begun").flush();
   job->begun_ = fs::last_write_time(job->folder_ / "begun", ignored);
@@ -345,15 +345,10 @@ void Job::progress(size_t done, size_t total) {
   metrics_->steps = total;
 }
 
-// A program that is the first process of a container ignores signals without a handler.
-extern "C" void end_evicted_job(int) { ::_exit(kRetryExit); }
-
 int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<fs::path*> inputs,
                fs::path* output, const std::function<int(Job& job)>& run) {
   auto job = Job::begin(command, options);
   if (!job) return report_job(job.error());
-  if (!options.checkpoints.empty())
-    std::signal(SIGTERM, end_evicted_job);  // until a command stores its state
   for (fs::path* input : inputs) {
     auto local = (*job)->input(*input);
     if (!local) return report_job(local.error());

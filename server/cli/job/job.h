@@ -2,8 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <atomic>
-#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -12,16 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "cli/job/eviction.h"
 #include "cli/job/job_metrics.h"
 #include "core/result.h"
 #include "session/stored/stored_scene.h"
 #include "store/object_store.h"
 
 namespace livegs {
-
-// Exit codes of a job in addition to those of a command (cli/commands.h): a repetition may succeed, because
-// the store was not reachable or the machine took the process away. EX_TEMPFAIL of sysexits.h.
-inline constexpr int kRetryExit = 75;
 
 struct JobOptions {
   std::string checkpoints;  // place of the states and of the marks of finished jobs; empty: none
@@ -33,9 +28,11 @@ void add_job_options(CLI::App& command, JobOptions& options);
 // A command whose inputs and outputs may be addresses (http://, https://, s3://), and that continues after
 // its process was killed. One thread, except for progress().
 //
-// - Input: a file, a NAME.zip of a folder, or a NAME.scene.json of livegs publish. Fetched into a temporary
-//   folder.
-// - Output: a file or folder, written into the temporary folder and stored at the end.
+// - Temporary files of the process are in one folder, that of the job (TMPDIR), which ~Job() and SIGTERM
+//   remove.
+// - Input: a file, a NAME.zip of a folder, or a NAME.scene.json of livegs publish. Fetched into the
+//   folder of the job.
+// - Output: a file or folder, written into the folder of the job and stored at the end.
 // - State, in the checkpoints: two objects in turn, so that one of them is whole, each with its own hash.
 // - Mark, in the checkpoints: the hash and size of every output. A job whose outputs exist is done.
 //
@@ -83,6 +80,7 @@ class Job {
   std::vector<std::filesystem::path> output_files() const;
 
   std::filesystem::path folder_;  // temporary
+  std::unique_ptr<Eviction> eviction_;
   // A scene of a store, and its place there.
   struct FetchedScene {
     StoredScene files;

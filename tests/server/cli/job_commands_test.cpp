@@ -75,6 +75,11 @@ class JobCommands : public ::testing::Test {
     words.insert(words.end(), {"--threads", "1"});
     return words;
   }
+  // With another folder for temporary files.
+  static Words with_folder(const ScratchFolder& folder, Words words) {
+    words.insert(words.begin(), {"/usr/bin/env", "TMPDIR=" + folder.path().string()});
+    return words;
+  }
   Words marked(Words words) const {
     words.insert(words.end(), {"--checkpoints", at("state")});
     return job(words);
@@ -197,6 +202,59 @@ TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
   expect_same_bytes_after_kills(
       marked({"fit", at("in/block.scene.json"), "--tracks", at("in/paths.csv"), "--camera",
               at("in/camera.json"), "--find", "block=youngs_modulus_pa", "-o", at("out/fit")}));
+}
+
+// SIGTERM during the fetch of an input: the job does not wait for the store, and no temporary file is left.
+TEST_F(JobCommands, AnEvictedFetchEndsAtOnceAndLeavesNothing) {
+  store_room();
+  store_hall();
+  const ScratchFolder temporary;
+  for (const Words& words : {Words{"segment", at("in/room.ply"), "-o", at("out/things")},
+                             Words{"analyze", at("in/hall.scene.json"), "--offline"}}) {
+    std::atomic<int> gets = 0;
+    std::promise<void> arrived, ended;
+    mock_.set_fault([&, waits = ended.get_future().share()](const SeenRequest& request, int) {
+      const bool list = request.path.ends_with(".files.json");
+      if (list || gets++ > 0) return std::optional<Reply>();
+      arrived.set_value();
+      waits.wait();
+      return std::optional<Reply>();
+    });
+    Program evicted(with_folder(temporary, job(words)));
+    arrived.get_future().wait();
+    EXPECT_FALSE(fs::is_empty(temporary.path()));
+    evicted.send(SIGTERM);
+    EXPECT_EQ(evicted.wait(), 75) << evicted.err();
+    ended.set_value();
+    EXPECT_EQ(evicted.err().find("/in/"), std::string::npos) << evicted.err();  // no message of the store
+    EXPECT_TRUE(fs::is_empty(temporary.path())) << words[0];
+  }
+}
+
+// The files of the work vanish under it, which must not change the exit code.
+TEST_F(JobCommands, AnEvictedJobLeavesNothingAtAnyMoment) {
+  store_hall();
+  const ScratchFolder temporary;
+  const Words words = with_folder(
+      temporary, job({"analyze", at("in/hall.scene.json"), "--offline", "--explain", at("out/pages")}));
+  const auto begun = std::chrono::steady_clock::now();
+  Program whole(words);
+  ASSERT_EQ(whole.wait(), 0) << whole.err();
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
+  const auto length = std::chrono::steady_clock::now() - begun;
+  int evictions = 0;
+  for (int moment = 1; moment < 8; ++moment) {
+    const size_t seen = mock_.requests().size();
+    Program evicted(words);
+    while (mock_.requests().size() == seen) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(length * moment / 10);
+    evicted.send(SIGTERM);
+    const int code = evicted.wait();
+    EXPECT_TRUE(code == 75 || code == 0) << code << evicted.err();
+    evictions += code == 75;
+    EXPECT_TRUE(fs::is_empty(temporary.path())) << moment;
+  }
+  EXPECT_GT(evictions, 0);
 }
 
 // The input is replaced by a shorter one while it is fetched.

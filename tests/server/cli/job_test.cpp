@@ -4,7 +4,6 @@
 #include <zip.h>
 
 #include <csignal>
-#include <future>
 #include <random>
 #include <thread>
 
@@ -116,21 +115,6 @@ TEST_F(Jobs, AnEvictedTrainingKeepsItsStateAndContinues) {
   ASSERT_TRUE(next.says("continuing from the checkpoint of step ")) << next.err();
   next.send(SIGTERM);
   EXPECT_EQ(next.wait(), kRetryExitCode);
-}
-
-// A command without states ends at once and is repeated.
-TEST_F(Jobs, AnEvictedSegmentationIsRepeated) {
-  std::promise<void> asked;
-  mock_.set_fault([&](const SeenRequest&, int index) {
-    if (index == 0) asked.set_value();
-    std::this_thread::sleep_for(std::chrono::seconds(2));
-    return std::optional<Reply>();
-  });
-  Program evicted({LIVEGS_TOOL, "segment", mock_.url() + "/in/room.ply", "-o", mock_.url() + "/out/things",
-                   "--checkpoints", mock_.url() + "/state"});
-  asked.get_future().wait();
-  evicted.send(SIGTERM);
-  EXPECT_EQ(evicted.wait(), kRetryExitCode) << evicted.err();
 }
 
 // The mark has the hash of each output: another object of the same size is not the output.

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <thread>
+
+namespace livegs {
+
+// Exit codes of a job in addition to those of a command (cli/commands.h): a repetition may succeed, because
+// the store was not reachable or the machine took the process away. EX_TEMPFAIL of sysexits.h.
+inline constexpr int kRetryExit = 75;
+
+// While it exists, SIGTERM removes the folder and ends the process at once with kRetryExit. A
+// command that stores its state sets its own handler instead. One at a time in a process, which may be the
+// first of a container: such a process ignores signals without a handler.
+class Eviction {
+ public:
+  explicit Eviction(std::filesystem::path folder);
+  // Does not return after SIGTERM: the exit code of the work, which may have missed its files, is not used.
+  ~Eviction();
+  Eviction(const Eviction&) = delete;
+  Eviction& operator=(const Eviction&) = delete;
+
+ private:
+  void watch() const;
+
+  const std::filesystem::path folder_;
+  std::thread watcher_;
+};
+
+}  // namespace livegs
