@@ -333,8 +333,7 @@ int analyze(const AnalyzeCommand& options, Job& job) {
     std::fputc('\n', stderr);
     // A model was configured, but no request was answered.
     if (summary.failed == summary.objects && summary.objects > 0) {
-      return report_job(
-          {ErrorCode::Unavailable, summary.failure + "; the printed values are offline estimates"});
+      return report({ErrorCode::Unavailable, summary.failure + "; the printed values are offline estimates"});
     }
   }
   if (options.write) job.inputs_changed();
