@@ -79,7 +79,7 @@ TEST_F(FitCommand, MistakesGetOneLine) {
        "\"colour\" is unknown; give some of youngs_modulus_pa"},
       {{"--tracks", path("paths.csv"), "--find", "=friction"}, "has no object"},
       {{"--tracks", path("paths.csv"), "--find", "block=friction"}, "1 points are on block"},
-      {{"--tracks", path("paths.csv"), "--find", "ball"}, "ball: is no object of the scene"},
+      {{"--tracks", path("paths.csv"), "--find", "ball"}, "ball: is not an object of the scene"},
   };
   for (const auto& [words, text] : mistakes) {
     const auto [code, error] = with(words);
