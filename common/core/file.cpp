@@ -49,7 +49,10 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
 }
 
 Error write_error(const std::filesystem::path& path) {
-  return {ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
+  // The same on another machine may succeed.
+  const bool of_machine = errno == ENOSPC || errno == EDQUOT || errno == EIO;
+  return {of_machine ? ErrorCode::Internal : ErrorCode::PermissionDenied,
+          path.string() + ": cannot be written: " + std::strerror(errno)};
 }
 
 }  // namespace

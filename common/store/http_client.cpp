@@ -297,8 +297,8 @@ void HttpClient::Worker::take_new() {
     fresh.swap(arrivals);
   }
   for (Transfer* transfer : fresh) {
+    prepare(*transfer);  // hashes the bytes that are sent, which takes seconds for a large file
     transfer->begun_ns = transfer->last_byte_ns = now_ns();
-    prepare(*transfer);
     curl_multi_add_handle(multi, transfer->easy);
     active.push_back(transfer);
   }

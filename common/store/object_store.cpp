@@ -181,7 +181,7 @@ class HttpStore final : public ObjectStore {
           at = offset;
           if (part.offset > at) return false;
         }
-        version = now;
+        if (!version || !now.tag.empty()) version = now;
         if (part.offset > at) {
           refused = invalid_data(shown(name) + ": the store sent bytes from " + std::to_string(part.offset) +
                                  " on instead of " + std::to_string(at));
@@ -207,7 +207,10 @@ class HttpStore final : public ObjectStore {
       }
       if (changed && ++changes > kMaxChanges)
         return Error{ErrorCode::Unavailable, shown(name) + ": changes while it is read"};
-      if (changed && !version) continue;
+      if (changed && !version) {
+        if (auto taken = take(at, {}); !taken) return taken;  // what was taken is void
+        continue;
+      }
       if (reply.end == HttpReply::End::Complete) {
         if (reply.status == 416 && reply.total_bytes == at) return {};  // nothing is left
         if (reply.status == 200 || reply.status == 206) {

@@ -47,9 +47,11 @@ std::string shown_url(std::string_view text);
 // repeated, a read from its last byte on, until no byte moved for StoreTimes::patience_s. A read gives the
 // bytes of one version of an object (ETag, Last-Modified, size). Errors name the object and the cause, never
 // a key:
-//   Unavailable       passing, but patience ended; the object changes again and again; or `stop` was
-//   requested NotFound          no such object (404, 410) PermissionDenied  401, 403 InvalidData       wrong
-//   range, size or hash InvalidArgument   any other refusal
+// - Unavailable: passing, but patience ended; the object changes again and again; or `stop` was requested.
+// - NotFound: no such object (404, 410).
+// - PermissionDenied: 401, 403.
+// - InvalidData: wrong range, size or hash.
+// - InvalidArgument: any other refusal.
 class ObjectStore {
  public:
   // InvalidArgument for an address without a host or bucket, or for a name of the environment that is

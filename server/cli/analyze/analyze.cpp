@@ -42,6 +42,7 @@ struct AnalyzeCommand {
   std::string name, up;
   double scale = 0;
   bool json = false, write = false, no_cache = false;
+  bool at_address = false;  // path
   int views = 1;
   EndpointChoice endpoint;
   PhysicsDecision decision;
@@ -253,6 +254,10 @@ int analyze(const AnalyzeCommand& options, Job& job) {
   if (auto checked = check_options(options); !checked) return report(checked.error());
   if (auto checked = check_output_folder(options.explain); !checked) return report(checked.error());
   if (options.decision.any()) {
+    if (options.at_address)
+      return report(invalid_argument(
+          "analyze: --accept, --decline, --undo and --redo: a store keeps no proposals; give a scene on this "
+          "machine, and publish it"));
     job.leave_unmarked();
     const auto scene = scene_of(options);
     if (!scene) return report(scene.error());
@@ -335,6 +340,7 @@ int analyze(const AnalyzeCommand& options, Job& job) {
     if (summary.failed == summary.objects && summary.objects > 0) {
       return report({ErrorCode::Unavailable, summary.failure + "; the printed values are offline estimates"});
     }
+    if (summary.failed > 0) job.leave_unmarked();  // a repetition asks for these again
   }
   if (options.write) job.inputs_changed();
   return 0;
@@ -431,11 +437,13 @@ void add_analyze(CLI::App& app, int& exit_code) {
   add_job_options(*command, options->job);
   command->callback([options, command, &exit_code] {
     const std::string given = shown_url(options->path.string());
+    options->at_address = is_store_url(given);
     exit_code = options->write && is_store_url(given) && !has_ending(given, ".scene.json")
                     ? report(invalid_argument(given + ": has no place for the values of --write; give the "
                                                       "address of a scene that livegs publish stored"))
-                    : run_as_job(*command, options->job, {&options->path}, &options->explain,
-                                 [&](Job& job) { return analyze(*options, job); });
+                    : run_as_job(*command, options->job,
+                                 {&options->path, &options->endpoint.prompts, &options->endpoint.recorded},
+                                 &options->explain, [&](Job& job) { return analyze(*options, job); });
   });
 }
 

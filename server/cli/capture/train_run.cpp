@@ -122,13 +122,16 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
     }
     if (auto kept = keep(); !kept) return kept.error();
   }
-  if (train_interrupted == SIGTERM && !trainer->done()) {
+  if (train_interrupted == SIGTERM) {
     if (auto kept = keep(); !kept) return kept.error();
     return TrainOutcome{{}, trainer->steps_done(), trainer->kernels().size(), true, true};
   }
+  // The rest takes less than the steps since the last state.
+  if (keeps) run.job->end_at_sigterm();
+  const bool early = !trainer->done();
   const auto last = progress.report(*trainer);
   if (!last) return last.error();
-  const bool earlier_is_better = train_interrupted != 0 && best && best_score.psnr_db > last->psnr_db;
+  const bool earlier_is_better = early && best && best_score.psnr_db > last->psnr_db;
   if (auto written = write_asset(run.output, earlier_is_better ? *best : trainer->asset()); !written)
     return written.error();
   TrainOutcome outcome{*last, trainer->steps_done(), trainer->kernels().size(), !trainer->done()};

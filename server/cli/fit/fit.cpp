@@ -34,7 +34,8 @@ struct FitCommand {
   fs::path scene, video, tracks, camera, output;
   std::vector<std::string> find;
   double first_frame_s = 0, max_seconds = 10;
-  bool quiet = false;  // --quiet of the program
+  bool quiet = false;       // --quiet of the program
+  bool at_address = false;  // the scene or the output: the fitted scene keeps the paths of the scene
   JobOptions job;
 };
 
@@ -132,7 +133,8 @@ Result<void> write_result(const FitCommand& command, const FitRequest& request, 
     return written;
   };
   if (auto done = text("fit.json", json_of(result).dump(2) + "\n"); !done) return done;
-  auto scene = scene_text(rebase_scene(result.scene, request.scene.folder, folder));
+  auto scene = scene_text(command.at_address ? result.scene
+                                             : rebase_scene(result.scene, request.scene.folder, folder));
   if (!scene) return scene.error();
   if (auto done = text("fitted.scene.json", *scene); !done) return done;
   for (const auto& [name, tracks] :
@@ -244,6 +246,7 @@ void add_fit(CLI::App& app, int& exit_code) {
   add_job_options(*command, options->job);
   command->callback([options, command, video, tracks, &app, &exit_code] {
     options->quiet = app.get_option("--quiet")->count() > 0;
+    options->at_address = is_store_url(options->scene.string()) || is_store_url(options->output.string());
     exit_code = video->count() + tracks->count() == 0
                     ? report(invalid_argument("fit: give --video or --tracks"))
                     : run_as_job(*command, options->job,

@@ -31,8 +31,11 @@ extern "C" void note_eviction(int) {
 Eviction::Eviction(std::filesystem::path folder) : folder_(std::move(folder)) {
   ::sem_init(&eviction_wake, 0, 0);
   watcher_ = std::thread([this] { watch(); });
-  std::signal(SIGTERM, note_eviction);
+  listen();
 }
+
+void Eviction::listen() const { std::signal(SIGTERM, note_eviction); }
+bool Eviction::asked() const { return eviction_asked != 0; }
 
 Eviction::~Eviction() {
   ::sem_post(&eviction_wake);

@@ -18,6 +18,10 @@ class Eviction {
   explicit Eviction(std::filesystem::path folder);
   // Does not return after SIGTERM: the exit code of the work, which may have missed its files, is not used.
   ~Eviction();
+  // Makes SIGTERM end the process again, after a command had its own handler.
+  void listen() const;
+  // Whether SIGTERM arrived: files of the folder may be missing from then on.
+  bool asked() const;
   Eviction(const Eviction&) = delete;
   Eviction& operator=(const Eviction&) = delete;
 

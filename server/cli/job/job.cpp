@@ -39,15 +39,17 @@ Result<std::string> hash_of_file(const fs::path& path) {
 }
 
 // All files below a folder, or the file itself, sorted.
-std::vector<fs::path> files_below(const fs::path& path) {
+Result<std::vector<fs::path>> files_below(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) return {path};
+  if (!fs::is_directory(path, error)) return std::vector<fs::path>{path};
   std::vector<fs::path> files;
-  for (auto at = fs::recursive_directory_iterator(path, error);
+  for (auto at =
+           fs::recursive_directory_iterator(path, fs::directory_options::follow_directory_symlink, error);
        !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
     std::error_code ignored;
     if (at->is_regular_file(ignored)) files.push_back(at->path());
   }
+  if (error) return Error{ErrorCode::Internal, path.string() + ": cannot be listed: " + error.message()};
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -95,10 +97,13 @@ int report_job(const Error& error) {
 
 Result<std::unique_ptr<Job>> Job::begin(const CLI::App& command, const JobOptions& options) {
   std::unique_ptr<Job> job(new Job);
-  std::string made = (fs::temp_directory_path() / "livegs_job_XXXXXX").string();
-  if (::mkdtemp(made.data()) == nullptr)
+  std::error_code absent;
+  const fs::path temporary = fs::temp_directory_path(absent);
+  std::string made = (temporary / "livegs_job_XXXXXX").string();
+  if (absent || ::mkdtemp(made.data()) == nullptr)
     return Error{ErrorCode::Internal,
-                 made + ": cannot be created: " + std::strerror(errno) + "; set TMPDIR to another folder"};
+                 made + ": cannot be created: " + (absent ? absent.message() : std::strerror(errno)) +
+                     "; set TMPDIR to another folder"};
   job->folder_ = made;
   job->eviction_ = std::make_unique<Eviction>(made);
   ::setenv("TMPDIR", made.c_str(), 1);
@@ -136,7 +141,9 @@ Job::~Job() {
 
 Result<void> Job::add_file_to_key(const fs::path& path) {
   if (!checkpoints_) return {};
-  for (const fs::path& file : files_below(path)) {
+  const auto files = files_below(path);
+  if (!files) return files.error();
+  for (const fs::path& file : *files) {
     const auto hash = hash_of_file(file);
     if (!hash) return hash.error();
     add_to_key(file.lexically_relative(path).string() + " " + *hash);
@@ -226,7 +233,8 @@ Result<bool> Job::finished() {
     return mark.error();
   }
   std::istringstream lines(text_of(*mark));
-  for (std::string line; std::getline(lines, line);) {
+  size_t found = 0;
+  for (std::string line; std::getline(lines, line); ++found) {
     std::istringstream words(line);
     uint64_t bytes = 0;
     std::string hash, name;
@@ -237,7 +245,7 @@ Result<bool> Job::finished() {
     if (!there && place_ && there.error().code != ErrorCode::NotFound) return there.error();
     if (!there || *there != hash) return false;
   }
-  return true;
+  return found > 0 || output_.empty();
 }
 
 Result<std::optional<std::vector<std::byte>>> Job::last_state() {
@@ -277,14 +285,16 @@ Result<void> Job::keep_state(size_t step, std::span<const std::byte> state) {
   return {};
 }
 
-std::vector<fs::path> Job::output_files() const {
+Result<std::vector<fs::path>> Job::output_files() const {
   std::vector<fs::path> files;
-  if (output_.empty()) return {};
+  if (output_.empty()) return files;
   const bool all = place_.has_value();  // the temporary folder has nothing else
   // A command may write files next to its output file, with its name and another ending.
   const fs::path base = all ? output_.parent_path() : output_;
   std::error_code ignored;
-  for (const fs::path& file : files_below(base)) {
+  const auto below = files_below(base);
+  if (!below) return below.error();
+  for (const fs::path& file : *below) {
     if (!fs::is_regular_file(file, ignored)) continue;
     if (all || file == output_ || fs::last_write_time(file, ignored) >= begun_) files.push_back(file);
   }
@@ -293,7 +303,9 @@ std::vector<fs::path> Job::output_files() const {
 
 Result<std::string> Job::store_outputs() {
   std::string mark;
-  for (const fs::path& file : output_files()) {
+  const auto files = output_files();
+  if (!files) return files.error();
+  for (const fs::path& file : *files) {
     const auto hash = hash_of_file(file);
     if (!hash) return hash.error();
     const std::string name = file.lexically_relative(output_.parent_path()).string();
@@ -310,6 +322,8 @@ Result<std::string> Job::store_outputs() {
 }
 
 Result<void> Job::put_mark(const std::string& mark, const std::string& scene_list) {
+  // An output that SIGTERM has removed is not done. Does not return.
+  if (eviction_->asked()) eviction_.reset();
   if (!checkpoints_ || unmarked_) return {};
   std::string key = key_text_;
   if (!scene_list.empty()) {
@@ -327,6 +341,11 @@ Result<void> Job::finish() {
     // The mark is stored before the list, which completes the publication: a job that is killed in between
     // finds the scene as it was and repeats the same work, and later the changed scene with its mark.
     for (const FetchedScene& scene : scenes_) {
+      const auto current = scene.files.is_current(*scene.store);
+      if (!current) return current.error();
+      if (!*current)
+        return Error{ErrorCode::Unavailable, scene.files.path().filename().string() +
+                                                 ": was published again meanwhile; repeat the command"};
       const auto published =
           publish_scene(scene.files.path(), *scene.store,
                         [&](const std::string& list_hash) { return put_mark(*mark, list_hash); });

@@ -62,7 +62,9 @@ class Job {
   // Stores the outputs, the changed scene and the mark, and removes nothing.
   Result<void> finish();
 
-  // A repetition works again: a person ended the work early, or decides on its result.
+  // SIGTERM ends the process at once again: there is no state to store any more.
+  void end_at_sigterm() { eviction_->listen(); }
+  // A repetition works again: the work ended early, or a person decides on its result.
   void leave_unmarked() { unmarked_ = true; }
   // The command wrote into the files of its inputs. A scene of a store is published again by finish().
   void inputs_changed() { inputs_changed_ = true; }
@@ -77,7 +79,7 @@ class Job {
   Result<std::string> store_outputs();           // returns the mark: a line for each
   // `scene_list`: hash of the list of the changed scene; empty if the inputs did not change.
   Result<void> put_mark(const std::string& mark, const std::string& scene_list);
-  std::vector<std::filesystem::path> output_files() const;
+  Result<std::vector<std::filesystem::path>> output_files() const;
 
   std::filesystem::path folder_;  // temporary
   std::unique_ptr<Eviction> eviction_;

@@ -45,8 +45,9 @@ Result<std::unique_ptr<JobMetrics>> JobMetrics::serve(const std::string& address
   if (::bind(metrics->listener_, reinterpret_cast<sockaddr*>(&at), size) != 0 ||
       ::listen(metrics->listener_, 8) != 0 ||
       ::getsockname(metrics->listener_, reinterpret_cast<sockaddr*>(&at), &size) != 0)
-    return Error{ErrorCode::Unavailable,
-                 "--metrics " + address + ": cannot listen there; try again when it is free"};
+    return Error{errno == EADDRINUSE ? ErrorCode::Unavailable : ErrorCode::InvalidArgument,
+                 "--metrics " + address + ": cannot listen there: " + std::strerror(errno) +
+                     "; give a free port of this machine"};
   log_info("metrics: http://%s:%d/metrics", host.c_str(), ntohs(at.sin_port));
   metrics->thread_ =
       std::jthread([serving = metrics.get()](const std::stop_token& stop) { serving->run(stop); });

@@ -19,10 +19,11 @@ struct PublishedScene {
 };
 
 // Stores a scene so that servers start from the store alone and clients fetch its assets there. Objects:
-//   SHA256             a file of the scene, named by the hash of its bytes
-//   assets/HASH        an asset for clients and, by another hash, for browsers (proto/asset_format.md,
-//   "Stores") NAME.scene.json    the scene file NAME.files.json    the list of them all
-//   (livegs.v1.StoredScene), written last
+// - SHA256: a file of the scene, named by the hash of its bytes.
+// - assets/HASH: an asset for clients and, by another hash, for browsers (proto/asset_format.md, "Stores").
+// - NAME.scene.json: the scene file.
+// - NAME.files.json: the list of them all (livegs.v1.StoredScene), written last.
+//
 // `path`: a scene file, a folder of assets or one asset, built here once for the assets of shapes and pieces.
 // Objects that the store has are not written again.
 // `before_list`: called with the hash of the list before it is written; an error ends the publication. May

@@ -75,7 +75,8 @@ Result<void> check_paths(const fs::path& path, const std::string& shown) {
   if (!text) return text.error();
   std::string outside;
   livegs::for_each_path(text->file, [&](std::string& given) {
-    if (!is_inside(given)) outside = given;
+    // Without the parts that cancel out, and the slash of a folder.
+    if (!is_inside((fs::path(given) / "").lexically_normal().parent_path().string())) outside = given;
   });
   if (outside.empty()) return {};
   return invalid_data(shown + ": \"" + shown_text(outside, 80) +
@@ -97,12 +98,19 @@ Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, c
 StoredScene::StoredScene(StoredScene&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, {})),
+      list_name_(std::move(other.list_name_)),
       list_hash_(std::move(other.list_hash_)),
       assets_(std::move(other.assets_)) {}
 
 StoredScene::~StoredScene() {
   std::error_code ignored;
   if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+}
+
+Result<bool> StoredScene::is_current(ObjectStore& store) const {
+  const auto hash = store.hash(list_name_);
+  if (!hash) return hash.error();
+  return *hash == list_hash_;
 }
 
 Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::string& place) {
@@ -123,7 +131,8 @@ Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::stri
                             ": is not the address of a NAME.scene.json; give that of livegs publish");
   ObjectStore& lists = remote ? *at->store : *store;
   StoredScene fetched;
-  const auto list = read_list(lists, without_scene_ending(name) + ".files.json", fetched.list_hash_);
+  fetched.list_name_ = without_scene_ending(name) + ".files.json";
+  const auto list = read_list(lists, fetched.list_name_, fetched.list_hash_);
   if (!list) return list.error();
   for (const auto& asset : list->assets()) fetched.assets_.push_back({asset.hash(), asset.web_sha256()});
   fs::path folder;

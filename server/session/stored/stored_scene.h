@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "session/assets/client_store.h"
+#include "store/object_store.h"
 
 namespace livegs {
 
@@ -24,13 +25,15 @@ class StoredScene {
 
   const std::filesystem::path& path() const { return path_; }  // of the scene, local
   const std::string& list_hash() const { return list_hash_; }  // of NAME.files.json: of all files
+  // Whether the store at the address of the scene still has this list.
+  Result<bool> is_current(ObjectStore& store) const;
   // The assets that clients find in the store.
   const std::vector<ClientStore::Asset>& assets() const { return assets_; }
 
  private:
   StoredScene() = default;
   std::filesystem::path path_, temporary_;
-  std::string list_hash_;
+  std::string list_name_, list_hash_;
   std::vector<ClientStore::Asset> assets_;
 };
 

@@ -212,10 +212,21 @@ TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
   ASSERT_TRUE(write_tracks_file(folder_ / "paths.csv", exact_tracks(motion, 20)));
   store_file("in/camera.json", folder_ / "camera.json");
   store_file("in/paths.csv", folder_ / "paths.csv");
-  publish(folder_.write("block.scene.json", block_scene(2e5)), "in");
+  // Also an object with a file, which the fitted scene names as the scene does.
+  fs::copy_file(LIVEGS_TESTS_DIR "/scenes/cup.csv", folder_ / "cup.csv");
+  std::string scene = block_scene(2e5);
+  const std::string objects = "\"objects\": [";
+  ASSERT_NE(scene.find(objects), std::string::npos) << scene;
+  scene.insert(scene.find(objects) + objects.size(),
+               R"( { "name": "cup", "points": "cup.csv", "kernel_per_point": false,
+                     "pose": { "position_m": [3, 0.1, 0] },
+                     "physics": { "behavior": "STATIC" } }, )");
+  publish(folder_.write("block.scene.json", scene), "in");
   expect_same_bytes_after_kills(
       marked({"fit", at("in/block.scene.json"), "--tracks", at("in/paths.csv"), "--camera",
               at("in/camera.json"), "--find", "block=youngs_modulus_pa", "-o", at("out/fit")}));
+  EXPECT_NE(mock_.get("out/fit/fitted.scene.json").find("\"cup.csv\""), std::string::npos)
+      << mock_.get("out/fit/fitted.scene.json");
 }
 
 // SIGTERM during the fetch of an input: the job does not wait for the store, and no temporary file is left.
