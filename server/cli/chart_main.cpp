@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   livegs::require_processor();
-  CLI::App app("Charts of error against cost; called by `livegs chart`", "livegs-chart");
+  CLI::App app("Charts of error against cost; called by `livegs chart`", "livegs");
   app.require_subcommand(1);
   int threads = 0;
   app.add_option("--threads", threads, "Number of threads (0: one per core)")->check(CLI::Range(0, 256));
