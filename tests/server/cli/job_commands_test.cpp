@@ -38,15 +38,6 @@ constexpr const char* kHall = R"({
     { "name": "ball", "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0, 0.1, 0] } },
     { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.4, 0.1, 0] } } ] })";
 
-std::string block_scene(double modulus_pa) {
-  return R"({ "gravity_m_s2": [0, 0, 0], "objects": [ { "name": "block", "shape": { "box": { "size_m": [0.1, 0.3, 0.1] } },
-      "spacing_m": 0.05, "physics": { "behavior": "ELASTIC", "density_kg_m3": 500, "damping": 0.1, "youngs_modulus_pa": )" +
-         std::to_string(modulus_pa) +
-         R"( }, "regions": [ { "box": { "max_m": [1, -0.1, 1] }, "fixed": true } ] } ],
-      "events": [ { "time_s": 0.05, "force": { "object": "block", "point_m": [0, 0.14, 0], "force_n": [3, 0, 0],
-                                               "duration_s": 0.2 } } ] })";
-}
-
 class JobCommands : public ::testing::Test {
  protected:
   std::string at(const std::string& name) const { return mock_.url() + "/" + name; }
@@ -205,7 +196,7 @@ TEST_F(JobCommands, AnAnalysisIsKilledAtEachOfItsWrites) {
 
 TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
   HiddenMotion motion;
-  motion.truth = scene_of(block_scene(5e4));
+  motion.truth = scene_of(held_block(5e4, 0.05));
   motion.request.camera = look_at({0.2, 0.1, 0.9}, {0.03, 0, 0}, Eigen::Vector3d::UnitY(), 0.6, 320, 240);
   motion.seconds = 0.4;
   ASSERT_TRUE(write_camera_file(folder_ / "camera.json", motion.request.camera));
@@ -214,7 +205,7 @@ TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
   store_file("in/paths.csv", folder_ / "paths.csv");
   // Also an object with a file, which the fitted scene names as the scene does.
   fs::copy_file(LIVEGS_TESTS_DIR "/scenes/cup.csv", folder_ / "cup.csv");
-  std::string scene = block_scene(2e5);
+  std::string scene = held_block(2e5, 0.05);
   const std::string objects = "\"objects\": [";
   ASSERT_NE(scene.find(objects), std::string::npos) << scene;
   scene.insert(scene.find(objects) + objects.size(),

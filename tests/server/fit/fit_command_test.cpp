@@ -14,22 +14,13 @@
 namespace livegs {
 namespace {
 
-std::string held_block(double modulus_pa) {
-  return R"({ "gravity_m_s2": [0, 0, 0], "objects": [ { "name": "block", "shape": { "box": { "size_m": [0.1, 0.3, 0.1] } },
-      "spacing_m": 0.025, "physics": { "behavior": "ELASTIC", "density_kg_m3": 500, "damping": 0.1, "youngs_modulus_pa": )" +
-         std::to_string(modulus_pa) +
-         R"( }, "regions": [ { "box": { "max_m": [1, -0.1, 1] }, "fixed": true } ] } ],
-      "events": [ { "time_s": 0.05, "force": { "object": "block", "point_m": [0, 0.14, 0], "force_n": [3, 0, 0],
-                                               "duration_s": 0.2 } } ] })";
-}
-
 class FitCommand : public testing::Test {
  protected:
   FitCommand() {
-    motion_.truth = scene_of(held_block(5e4));
+    motion_.truth = scene_of(held_block(5e4, 0.025));
     motion_.request.camera = look_at({0.2, 0.1, 0.9}, {0.03, 0, 0}, Eigen::Vector3d::UnitY(), 0.6, 320, 240);
     motion_.seconds = 0.8;
-    scratch_.write("scenes/block.scene.json", held_block(2e5));
+    scratch_.write("scenes/block.scene.json", held_block(2e5, 0.025));
     EXPECT_TRUE(write_camera_file(scratch_ / "camera.json", motion_.request.camera));
   }
   std::string path(const std::string& name) const { return (scratch_ / name).string(); }

@@ -21,6 +21,17 @@ v1::Scene scene_of(const std::string& json) {
   return scene;
 }
 
+std::string held_block(double modulus_pa, double spacing_m) {
+  return R"({ "gravity_m_s2": [0, 0, 0], "objects": [ { "name": "block", "shape": { "box": { "size_m": [0.1, 0.3, 0.1] } },
+      "spacing_m": )" +
+         std::to_string(spacing_m) +
+         R"(, "physics": { "behavior": "ELASTIC", "density_kg_m3": 500, "damping": 0.1, "youngs_modulus_pa": )" +
+         std::to_string(modulus_pa) +
+         R"( }, "regions": [ { "box": { "max_m": [1, -0.1, 1] }, "fixed": true } ] } ],
+      "events": [ { "time_s": 0.05, "force": { "object": "block", "point_m": [0, 0.14, 0], "force_n": [3, 0, 0],
+                                               "duration_s": 0.2 } } ] })";
+}
+
 PointTracks exact_tracks(const HiddenMotion& motion, size_t count) {
   const FitRequest& request = motion.request;
   const auto scene = Scene::build(motion.truth, request.scene.folder, "truth", {});

@@ -20,6 +20,9 @@ struct HiddenMotion {
 // A scene from JSON text.
 v1::Scene scene_of(const std::string& json);
 
+// A scene file: a soft block, held at its lower end and pushed aside once, without gravity.
+std::string held_block(double modulus_pa, double spacing_m);
+
 // Paths of `count` visible surface points of the hidden scene, without error.
 PointTracks exact_tracks(const HiddenMotion& motion, size_t count);
 
