@@ -2,7 +2,7 @@
 // Plain arrays and no branches in the loops, for SIMD; compiled for speed, unlike the rest of this folder.
 #include "web/core/depth_keys.h"
 
-#include "splat/passes/radix_sort.h"
+#include "splat/passes/key_order.h"
 #include "splat/project/raster_options.h"
 
 namespace livegs {

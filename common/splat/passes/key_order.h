@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,6 +10,12 @@
 // radix_sort(), which several threads share.
 
 namespace livegs {
+
+// Unsigned keys in the order of the floats, including negative numbers; -0 is directly before +0.
+inline uint32_t ordered_key(float value) {
+  const uint32_t bits = std::bit_cast<uint32_t>(value);
+  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
 
 // Keys (ordered_key) of consecutive kernels.
 struct KeyRun {

@@ -10,7 +10,7 @@
 namespace livegs {
 
 // Sorts kernels by depth on a backend, nearest first: 32-bit keys with 32-bit values, ascending and stable.
-// The pass project_splats writes the keys (project_splats.h), floats by ordered_key (radix_sort.h).
+// The pass project_splats writes the keys (project_splats.h), floats by ordered_key (key_order.h).
 // FrameSplats::sort calls the sorter (raster/frame_splats.h), for client/render. The CPU renderer sorts in
 // raster/rasterise.cpp with radix_sort.
 //

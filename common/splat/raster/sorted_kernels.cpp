@@ -5,6 +5,7 @@
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
+#include "splat/passes/key_order.h"
 
 namespace livegs {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "splat/camera.h"
-#include "splat/passes/radix_sort.h"
 #include "splat/project/project_kernels.h"
 #include "splat/raster/bin_tiles.h"
+#include "splat/raster/radix_sort.h"
 
 namespace livegs {
 

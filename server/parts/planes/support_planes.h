@@ -54,7 +54,7 @@ struct RoomPlane {
 };
 
 struct RoomPlanes {
-  std::vector<RoomPlane> supports;  // level, highest first
+  std::vector<RoomPlane> supports;  // level, highest first; the floor is not marked
   std::vector<RoomPlane> walls;     // upright, with nothing behind them
 };
 

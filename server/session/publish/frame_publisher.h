@@ -28,8 +28,9 @@ struct PublisherSummary {
   double frame_bytes_total = 0, encode_ms_total = 0;
 };
 
-// Delivers each tick to every session on its own thread, so that encoding and socket writes do not lengthen a
-// tick. If it falls behind, the newest tick wins. It also sweeps silent sessions.
+// Delivers each tick to every session. The number of a frame is its tick, counted by SceneRun::advance.
+// Delivery is on its own thread, so that encoding and socket writes do not lengthen a tick. If it falls
+// behind, the newest tick wins. It also sweeps silent sessions.
 //
 // It does not wait for assets. A new or fractured object whose asset is not encoded yet is announced when the
 // encoding is done, which takes seconds for a large asset. Until then frames contain the object as clients

@@ -25,7 +25,8 @@ struct PublishedScene {
 // - NAME.files.json: the list of them all (livegs.v1.StoredScene), written last.
 //
 // `path`: a scene file, a folder of assets or one asset, built here once for the assets of shapes and pieces.
-// Objects that the store has are not written again.
+// Objects that the store has are not written again. No program removes objects from a store; a scene's own
+// objects are those in its list. A server's copies in memory are dropped by AssetStore::drop_unused().
 // `before_list`: called with the hash of the list before it is written; an error ends the publication. May
 // be empty.
 Result<PublishedScene> publish_scene(

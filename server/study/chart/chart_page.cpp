@@ -15,14 +15,13 @@ std::string modulus(double pa) { return format_text("%.0e Pa", pa); }
 
 std::string percent(double error) { return error_text(error, "relative"); }
 
-// The spread of livegs-v1 over substeps: smallest and largest E_app / E in tension.
+// A table of the smallest and largest E_app / E of livegs-v1 in tension over all substeps.
 std::string v1_spread(const std::vector<ChartRow>& rows) {
-  std::string words;
+  std::string lines;
   for (const Engine engine : {Engine::LivegsV1, Engine::LivegsV1Steady}) {
-    std::string each;
-    std::pair<int, int> substeps{1 << 30, 0};
     for (const double pa : {1e4, 1e5, 1e6, 1e7}) {
       double low = 1e300, high = 0.0;
+      std::pair<int, int> substeps{1 << 30, 0};
       int runs = 0;
       for (const ChartRow& row : rows) {
         if (row.scene != "tension" || row.variant == "table" || row.setup.engine != engine ||
@@ -38,18 +37,17 @@ std::string v1_spread(const std::vector<ChartRow>& rows) {
         substeps.second = std::max(substeps.second, row.setup.substeps);
       }
       if (runs > 1)
-        each += format_text("%s %.2g to %.2g at %s", each.empty() ? "" : ",", low, high, modulus(pa).c_str());
+        lines += format_text("| `%s` | %s | %d to %d | %.2g | %.2g |\n",
+                             engine == Engine::LivegsV1 ? "livegs-v1" : "livegs-v1 steady",
+                             modulus(pa).c_str(), substeps.first, substeps.second, low, high);
     }
-    if (each.empty()) continue;
-    words +=
-        engine == Engine::LivegsV1
-            ? "`livegs-v1` blends towards its goals by a constant share per substep, so its stiffness "
-              "depends on the substep count: over " +
-                  std::to_string(substeps.first) + " to " + std::to_string(substeps.second) +
-                  " substeps E_app / E ranges over" + each + ".\n"
-            : "`livegs-v1 steady`, with a blend converted once to a stiffness at 1/240 s:" + each + ".\n";
   }
-  return words;
+  if (lines.empty()) return lines;
+  return "`livegs-v1` blends towards its goals by a constant share per substep, so its stiffness depends on "
+         "the "
+         "substep count. The blend of `livegs-v1 steady` is converted once to a stiffness at 1/240 s.\n\n"
+         "| method | E | substeps | smallest E_app / E | largest E_app / E |\n|---|---|---|---|---|\n" +
+         lines;
 }
 
 const ChartRow* table_row(const std::vector<ChartRow>& rows, const char* scene, Engine engine, double rate_hz,
@@ -147,8 +145,12 @@ std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how
       "(five tetrahedra per cube, corotated linear elasticity, implicit Euler, its own Krylov solver with "
       "default settings). On the curves, cells and substeps are fixed, not chosen. Only `cells` is run in "
       "three widths. BDF1 and uncompensated cells are run in cells of 25 mm only. Bullet costs a hundred "
-      "times as much per node, so it is run with cubes of 50 mm and at most 4 or 16 substeps. \"Not within"
-      " the bar\" refers to these runs only.\n\n";
+      "times as much per node, so it is run with cubes of 50 mm and at most 4 or 16 substeps.\n\nA table "
+      "below"
+      " a figure has a row for each method of each case. The first rows are the methods within the bar, at "
+      "their cheapest number of substeps. The others follow at the substeps of their smallest error. \"Not "
+      "within the bar\" refers to these runs only. The last row has the cells and substeps that the program "
+      "chooses if 4 substeps are requested.\n\n";
   page += table(rows);
   page += pulse_remark(rows);
   for (const ChartScene& scene : chart_scenes()) {
@@ -157,13 +159,11 @@ std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how
     for (const std::string& quantity : scene.quantities) {
       page += "![" + scene.title + ": " + quantity + "](" + scene.figure(quantity) + ")\n\n";
       const std::vector<Panel> panels = panels_of(scene, quantity, rows);
-      page += format_text("`%s`, bar %s:\n", quantity.c_str(), percent(panels.front().bar).c_str());
-      for (const Panel& panel : panels) page += compare_curves(panel);
-      page += "\n";
+      page += format_text("`%s`, bar %s:\n\n", quantity.c_str(), percent(panels.front().bar).c_str());
+      page += compare_curves(panels) + "\n";
     }
     if (scene.max_bullet_substeps == 0)
-      page += "- Bullet is not run here: it has no plasticity and is not connected to plates.\n";
-    if (scene.max_bullet_substeps == 0) page += "\n";
+      page += "Bullet is not run here: it has no plasticity and is not connected to plates.\n\n";
     if (scene.name == "tension") page += v1_spread(rows) + "\n";
   }
   return page;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/text/format_text.h"
 
@@ -18,9 +19,6 @@ std::string error_text(double error, const std::string& unit) {
 namespace {
 
 std::string cost(double ms) { return ms < 100 ? format_text("%.2g ms", ms) : format_text("%.0f ms", ms); }
-
-// Cost ratio below which costs are equal within measurement noise.
-constexpr double kSameCost = 1.15;
 
 struct Contender {
   const Curve* curve;
@@ -40,41 +38,30 @@ std::vector<Contender> ranking(const Panel& panel) {
 
 }  // namespace
 
-std::string compare_curves(const Panel& panel) {
-  const std::vector<Contender> ranked = ranking(panel);
-  std::string words = "- **" + panel.name + ".** ";
-  if (ranked.empty()) {
-    words += "No method meets the bar. ";
-  } else {
-    const Contender& first = ranked.front();
-    words += format_text("Cheapest: `%s` at %d substeps, %s of CPU per simulated second (error %s)",
-                         first.curve->label.c_str(), first.point.substeps, cost(first.point.cost_ms).c_str(),
-                         error_text(first.point.error, panel.unit).c_str());
-    for (size_t i = 1; i < ranked.size(); ++i) {
-      const double times = ranked[i].point.cost_ms / first.point.cost_ms;
-      words += format_text(
-          "%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
-          ranked[i].point.substeps,
-          times < kSameCost ? "the same cost" : format_text("%.2g times the cost", times).c_str());
+std::string compare_curves(const std::vector<Panel>& panels) {
+  std::string table =
+      "| case | method | substeps | error | CPU per simulated second | cost over the cheapest "
+      "|\n|---|---|---|---|---|---|\n";
+  for (const Panel& panel : panels) {
+    const std::vector<Contender> ranked = ranking(panel);
+    std::string name = panel.name;  // in the first row of the case only
+    const auto row = [&](const std::string& method, const CurvePoint& point, const std::string& ratio) {
+      table += format_text("| %s | %s | %d | %s | %s | %s |\n", std::exchange(name, "").c_str(),
+                           method.c_str(), point.substeps, error_text(point.error, panel.unit).c_str(),
+                           cost(point.cost_ms).c_str(), ratio.c_str());
+    };
+    for (const Contender& each : ranked)
+      row("`" + each.curve->label + "`", each.point,
+          format_text("%.2g", each.point.cost_ms / ranked.front().point.cost_ms));
+    for (const Curve& curve : panel.curves)
+      if (!curve.cheapest_within(panel.bar)) row("`" + curve.label + "`", curve.best(), "not within the bar");
+    if (panel.chosen) {
+      const ElasticAccuracy& a = panel.chosen_accuracy;
+      row(format_text("chosen by the program: %.3g mm", 1e3 * a.cell_width_m),
+          {a.substeps, panel.chosen->cost_ms, panel.chosen->error}, a.clipped ? "stiffness clipped" : "");
     }
-    words += ". ";
   }
-  std::string losers;
-  for (const Curve& curve : panel.curves) {
-    if (curve.cheapest_within(panel.bar)) continue;
-    const CurvePoint best = curve.best();
-    losers += format_text("%s `%s` (best: %s at %d)", losers.empty() ? "" : ",", curve.label.c_str(),
-                          error_text(best.error, panel.unit).c_str(), best.substeps);
-  }
-  if (!losers.empty()) words += "Not within the bar in these runs:" + losers + ". ";
-  if (panel.chosen) {
-    const ElasticAccuracy& a = panel.chosen_accuracy;
-    words += format_text(
-        "With 4 requested substeps the program chooses %.3g mm cells and %d substeps: error %s for %s%s.",
-        1e3 * a.cell_width_m, a.substeps, error_text(panel.chosen->error, panel.unit).c_str(),
-        cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and reports clipped stiffness" : "");
-  }
-  return words + "\n";
+  return table;
 }
 
 }  // namespace livegs::study

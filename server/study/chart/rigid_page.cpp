@@ -7,16 +7,16 @@ namespace livegs::study {
 namespace {
 
 // Lists the failed runs by engine.
-std::string accidents(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
+std::string failed_runs(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
   std::string words;
   for (const RigidRow& row : rows) {
     if (row.scene != &scene || row.outcome.end == RunEnd::Ok) continue;
-    words += words.empty() ? "- Failed runs: " : ", ";
+    words += words.empty() ? "Failed runs: " : ", ";
     words += format_text("`%s` at %d", engine_name(row.setup.engine).c_str(), row.setup.substeps);
     if (scene.parameters.size() > 1) words += " with " + scene.text_of(row.setup.parameter);
     words += format_text(" (%s)", name_of(row.outcome.end));
   }
-  return words.empty() ? words : words + ".\n";
+  return words.empty() ? words : words + ".\n\n";
 }
 
 }  // namespace
@@ -37,12 +37,9 @@ std::string rigid_page(const std::vector<RigidRow>& rows) {
     if (panels.empty()) continue;
     page +=
         "## " + scene.title + "\n\n" + scene.what + "\n\n![" + scene.title + "](" + scene.figure() + ")\n\n";
-    for (const Panel& panel : panels) {
-      Panel named = panel;
-      named.name += ", bar " + error_text(panel.bar, panel.unit);
-      page += compare_curves(named);
-    }
-    page += accidents(scene, rows) + "\n";
+    std::vector<Panel> named = panels;
+    for (Panel& panel : named) panel.name += ", bar " + error_text(panel.bar, panel.unit);
+    page += compare_curves(named) + "\n" + failed_runs(scene, rows);
   }
   return page;
 }

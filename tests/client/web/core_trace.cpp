@@ -21,7 +21,7 @@
 #include "gaussian/stored_blocks.h"
 #include "skin/drivers/node_neighbours.h"
 #include "skin/skin_kernels.h"
-#include "splat/passes/radix_sort.h"
+#include "splat/passes/key_order.h"
 #include "splat/project/raster_options.h"
 #include "web/core/asset_binder.h"
 #include "web/core/live_scene.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "splat/passes/key_sorter.h"
+#include "splat/passes/key_order.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +9,6 @@
 
 #include "common/compute/backends.h"
 #include "common/splat/synthetic_kernels.h"
-#include "splat/passes/radix_sort.h"
 
 namespace livegs {
 namespace {

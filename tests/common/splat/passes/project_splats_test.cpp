@@ -6,7 +6,6 @@
 
 #include "common/compute/backends.h"
 #include "common/splat/synthetic_kernels.h"
-#include "splat/passes/radix_sort.h"
 #include "splat/project/project_kernels.h"
 #include "splat/raster/frame_splats.h"
 

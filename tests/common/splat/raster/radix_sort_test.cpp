@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "splat/passes/radix_sort.h"
+#include "splat/raster/radix_sort.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth sort of the CPU renderer; raster/rasterise.cpp calls it.
-#include "splat/passes/radix_sort.h"
+// Depth sort of the CPU renderer; rasterise.cpp calls it. The sort of the GPU is passes/key_sorter.cpp.
+#include "splat/raster/radix_sort.h"
 
 #include <array>
 

@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 // Depth sort of the CPU renderer: raster/rasterise.cpp makes the keys in project() and calls radix_sort() in
-// sort(). The Vulkan renderer sorts with key_sorter.h; both use ordered_key().
+// sort(). The Vulkan renderer sorts with key_sorter.h; both use ordered_key() of key_order.h.
 
 namespace livegs {
-
-// Unsigned keys in the order of the floats, including negative numbers; -0 is directly before +0.
-inline uint32_t ordered_key(float value) {
-  const uint32_t bits = std::bit_cast<uint32_t>(value);
-  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-}
 
 struct KeyedIndex {
   uint32_t key;
