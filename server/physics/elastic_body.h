@@ -217,7 +217,8 @@ class ElasticBody {
   // Contact queries. The defaults are those of a solver without contact between moving bodies.
   virtual double reach_m() const { return 0.0; }  // radius about the centre of mass that encloses the body
   virtual Eigen::AlignedBox3d bounds_m() const { return {}; }  // enclosing box, world axes
-  // Bounds of the surface within a box; empty if the surface does not reach into it.
+  // Bounds of the surface within a box; empty if the surface does not reach into it. The first call after a
+  // step may store the bounds of parts; further calls may run on several threads.
   virtual Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const {
     return bounds_m().intersection(within);
   }

@@ -33,13 +33,13 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
   const double substep_s = bodies.front().context.duration_s;
   std::vector<ContactConstraint*> rows;
   // Every body changes only itself, so that few bodies are not worth a second thread.
+  const size_t block = std::max(kMinBodiesPerThread, bodies.size() / kMaxBlocks + 1);
   const auto for_each_body = [&](const auto& visit) {
-    parallel_for(bodies.size(), std::max(kMinBodiesPerThread, bodies.size() / kMaxBlocks + 1),
-                 [&](size_t begin, size_t end) {
-                   for (size_t i = begin; i < end; ++i) {
-                     if (bodies[i].steps > 0) visit(bodies[i]);
-                   }
-                 });
+    parallel_for(bodies.size(), block, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        if (bodies[i].steps > 0) visit(bodies[i]);
+      }
+    });
   };
   for (int k = 0; k < count; ++k) {
     const SubstepPart part{k * (substep_s / count), substep_s / count};
@@ -51,10 +51,12 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
     }
     for_each_body([&](SteppedBody& stepped) { stepped.body->begin_step(part, stepped.context); });
     for (RigidProxy* body : moving) body->begin_step(part.began_s, part.duration_s, substep_s);
-    for (SteppedBody& stepped : bodies) {
-      stepped.rows->clear();
-      stepped.body->prepare_contact_step(part.duration_s);
-    }
+    parallel_for(bodies.size(), block, [&](size_t begin, size_t end) {
+      for (SteppedBody& stepped : bodies.subspan(begin, end - begin)) {
+        stepped.rows->clear();
+        stepped.body->prepare_contact_step(part.duration_s);
+      }
+    });
     for_each_body(
         [&](SteppedBody& stepped) { stepped.body->list_contacts(part, stepped.context, *stepped.rows); });
     for_each_body([&](SteppedBody& stepped) {

@@ -2,8 +2,10 @@
 // Coupling of elastic and rigid bodies: neighbour search, impulse exchange, and common sleep islands.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/disjoint_sets.h"
+#include "core/parallel_for.h"
 #include "physics/motion/free_rotation.h"
 #include "physics/motion/vector_algebra.h"
 #include "physics/rigid/rigid_sleep.h"
@@ -19,6 +21,17 @@ using Eigen::Vector3d;
 constexpr double kMaxPredictedGravities = 2.0;
 // Margin of the neighbour search, relative to an elastic body's radius, beyond the motion in a substep.
 constexpr double kReachMargin = 0.1;
+// Items that a thread takes at a time.
+constexpr size_t kBodiesPerBlock = 4, kPairsPerBlock = 32;
+
+// An elastic body and another elastic or rigid body, by index.
+struct NearPair {
+  uint32_t elastic = 0, other = 0;
+  bool rigid = false;  // the other one
+  double room_m =
+      0.0;  // largest distance of the surfaces; of a rigid one, from the centre of the elastic body
+  bool near = false;
+};
 
 Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
   if (shape.is_ball()) {
@@ -86,7 +99,9 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     elastic_objects[i]->near_bodies.clear();
     elastic_objects[i]->near_elastic.clear();
   }
-  for (size_t i = 0; i < count; ++i) {
+  // Pairs whose boxes are near, by elastic body; whether their surfaces are is decided on several threads.
+  std::vector<NearPair> pairs;
+  for (uint32_t i = 0; i < count; ++i) {
     ElasticObject& elastic = *elastic_objects[i];
     const ElasticBody& body = *elastic.body;
     const Vector3d centre = body.centre_m();
@@ -94,22 +109,17 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     const double own_reach = (1.0 + kReachMargin) * body.reach_m() + body.element_reach_m() +
                              duration_s * (body.velocity_m_s().norm() + gain_m_s);
     if (elastic.stepped || !(body.reach_m() > 0.0)) continue;
-    for (size_t k = 0; k < rigid_bodies.size(); ++k) {
-      RigidProxy& other = rigid_proxies[k];
+    for (uint32_t k = 0; k < rigid_bodies.size(); ++k) {
+      const RigidProxy& other = rigid_proxies[k];
       if (asleep && other.asleep) continue;
       const double reach = own_reach + duration_s * other.fastest_m_s();
       const double apart = reach + other.shape->bounding_radius_m;
-      const Vector3d between = centre - other.start.position_m;
-      if (between.squaredNorm() > apart * apart) continue;
-      const double room = reach - body.reach_m();
-      if (distance_m(elastic_boxes[i], rigid_boxes[k]) > room) continue;
-      if (body.surface_bounds_m(wider(rigid_boxes[k], room)).isEmpty()) continue;
-      if (other.shape->sample(other.start.orientation.conjugate() * between).distance_m > reach) continue;
-      elastic.near_bodies.push_back(&other);
-      sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(count + k));
+      if ((centre - other.start.position_m).squaredNorm() > apart * apart) continue;
+      if (distance_m(elastic_boxes[i], rigid_boxes[k]) > reach - body.reach_m()) continue;
+      pairs.push_back({i, k, true, reach});
     }
-    for (size_t k = i + 1; k < count; ++k) {
-      ElasticObject& other = *elastic_objects[k];
+    for (uint32_t k = i + 1; k < count; ++k) {
+      const ElasticObject& other = *elastic_objects[k];
       const bool other_asleep = other.body->asleep();
       if (other.stepped || (asleep && other_asleep) || !(other.body->reach_m() > 0.0)) continue;
       const double reach = own_reach + (1.0 + kReachMargin) * other.body->reach_m() +
@@ -118,14 +128,49 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
       if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
       const double room = reach - body.reach_m() - other.body->reach_m();
       if (distance_m(elastic_boxes[i], elastic_boxes[k]) > room) continue;
-      if (!may_meet(body, *other.body, elastic_boxes[k], room)) continue;
-      elastic.body->prepare_for_contact();
-      other.body->prepare_for_contact();
-      elastic.near_elastic.push_back({other.body.get(), body_id_of(other.object_id)});
-      other.near_elastic.push_back({elastic.body.get(), body_id_of(elastic.object_id)});
-      together.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
-      sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
+      pairs.push_back({i, k, false, room});
     }
+  }
+  std::vector<char> has_pair(count, 0);
+  for (const NearPair& pair : pairs)
+    has_pair[pair.elastic] = has_pair[pair.rigid ? pair.elastic : pair.other] = 1;
+  parallel_for(count, kBodiesPerBlock, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      // The first call after a step stores the bounds of the parts.
+      if (has_pair[i]) elastic_objects[i]->body->surface_bounds_m(Eigen::AlignedBox3d());
+    }
+  });
+  parallel_for(pairs.size(), kPairsPerBlock, [&](size_t begin, size_t end) {
+    for (NearPair& pair : std::span(pairs).subspan(begin, end - begin)) {
+      const ElasticBody& body = *elastic_objects[pair.elastic]->body;
+      if (!pair.rigid) {
+        pair.near =
+            may_meet(body, *elastic_objects[pair.other]->body, elastic_boxes[pair.other], pair.room_m);
+        continue;
+      }
+      const RigidProxy& other = rigid_proxies[pair.other];
+      const double room = pair.room_m - body.reach_m();
+      if (body.surface_bounds_m(wider(rigid_boxes[pair.other], room)).isEmpty()) continue;
+      const Vector3d between = body.centre_m() - other.start.position_m;
+      pair.near =
+          other.shape->sample(other.start.orientation.conjugate() * between).distance_m <= pair.room_m;
+    }
+  });
+  for (const NearPair& pair : pairs) {
+    if (!pair.near) continue;
+    ElasticObject& elastic = *elastic_objects[pair.elastic];
+    if (pair.rigid) {
+      elastic.near_bodies.push_back(&rigid_proxies[pair.other]);
+      sets.join(pair.elastic, static_cast<uint32_t>(count) + pair.other);
+      continue;
+    }
+    ElasticObject& other = *elastic_objects[pair.other];
+    elastic.body->prepare_for_contact();
+    other.body->prepare_for_contact();
+    elastic.near_elastic.push_back({other.body.get(), body_id_of(other.object_id)});
+    other.near_elastic.push_back({elastic.body.get(), body_id_of(elastic.object_id)});
+    together.join(pair.elastic, pair.other);
+    sets.join(pair.elastic, pair.other);
   }
   std::vector<CoupledBodies> stepped(count);
   for (uint32_t i = 0; i < count; ++i) {

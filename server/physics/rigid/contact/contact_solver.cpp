@@ -173,13 +173,17 @@ void store_friction(ContactManifold& manifold, const ManifoldRows& rows) {
   manifold.twist_impulse = rows.friction.impulse.turn;
 }
 
-double begin_impact(const RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double step_s,
-                    double passed_on_m_s) {
+double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s, double passed_on_m_s) {
   double fastest_m_s = 0.0;
+  const RigidBody* b = manifold.other;
+  const Vector3d between =
+      b ? Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Vector3d::Zero();
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     point.leaving_m_s = kNoImpact;
-    const double closing = -speed_along(a, manifold.other, rows.points[i]);
+    Vector3d velocity_m_s = a.point_velocity(point.arm_a_m);
+    if (b) velocity_m_s -= b->point_velocity(point.arm_a_m + between);
+    const double closing = -point.normal.dot(velocity_m_s);
     if (!(closing > 0.0)) continue;
     const double faster = closing_acceleration_m_s2(a, manifold, point);
     const double limit_m_s = impact_speed_m_s(manifold, faster, step_s);

@@ -54,9 +54,8 @@ struct ManifoldRows {
 ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold);
 // Marks the points that will touch in the step and close faster than the restitution speed, or than
 // `passed_on_m_s` if that is positive and less, and sets the speed at which each leaves. Returns their
-// fastest closing speed; 0: none.
-double begin_impact(const RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double step_s,
-                    double passed_on_m_s);
+// fastest closing speed; 0: none. Precondition: the arms are those of the current poses.
+double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s, double passed_on_m_s);
 // One sweep over the marked points. Returns the largest change of speed, m/s.
 double solve_impact(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);
 // One sweep of friction. Its impulses are those of the rows; store_friction copies them to the manifold.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <utility>
 #include <vector>
 
@@ -120,20 +121,20 @@ void record_impulses(RigidBody& body, const ContactManifold& manifold, ImpulseKi
 
 void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,
                      double remaining_s) {
-  std::vector<ManifoldRows> rows;
-  for (const RigidIsland::Contact& contact : island.contacts)
-    rows.push_back(prepare_rows(*contact.owner, *contact.manifold));
+  std::deque<ManifoldRows> rows;  // of the contacts that closed in a round
+  std::vector<ManifoldRows*> rows_of_contact(island.contacts.size(), nullptr);
   std::vector<const RigidIsland::Contact*> closing;
   const auto rows_of = [&](const RigidIsland::Contact* contact) -> ManifoldRows& {
-    return rows[static_cast<size_t>(contact - island.contacts.data())];
+    return *rows_of_contact[static_cast<size_t>(contact - island.contacts.data())];
   };
   const auto find_closing = [&](double passed_on_m_s) {
     closing.clear();
     double fastest_m_s = 0.0;
     for (const RigidIsland::Contact& contact : island.contacts) {
-      const double speed_m_s =
-          begin_impact(*contact.owner, *contact.manifold, rows_of(&contact), step_s, passed_on_m_s);
+      const double speed_m_s = begin_impact(*contact.owner, *contact.manifold, step_s, passed_on_m_s);
       if (speed_m_s <= 0.0) continue;
+      ManifoldRows*& of_contact = rows_of_contact[static_cast<size_t>(&contact - island.contacts.data())];
+      if (!of_contact) of_contact = &rows.emplace_back(prepare_rows(*contact.owner, *contact.manifold));
       closing.push_back(&contact);
       fastest_m_s = std::max(fastest_m_s, speed_m_s);
     }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sustained loads (weights, stacks, pressing hands) are not impacts, at any tick rate. Impacts transmitted
 // through other bodies are impacts.
+#include <algorithm>
+#include <array>
+
 #include "known_gaps.h"
 #include "physics/rigid/contact/impact_record.h"
 #include "scenes/break_fixtures.h"
@@ -287,27 +290,32 @@ TEST(BreakingLoads, HookedCupBreaksAtOneImpactSpeed) {
 }
 
 // The distance fields of the fragments overlap deeply at the start. The impulses that separate them must
-// fade, so that the fragments press only with their weight.
+// fade, so that the fragments press only with their weight. A contact with the floor counts once and one of
+// two fragments twice, so a heap of two layers has three weights. Single heaps rock: the median of five.
 TEST(BreakingLoads, FragmentHeapPressesWithItsWeight) {
   const auto pieces = pieces_of(small_cup(), 64, 1);
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    World world = with_cup(cup_at(4.0), world_at(rate, 4), pieces);
-    world.add_collider(floor_plane());
-    run_seconds(world, 1.4);
-    ASSERT_EQ(body_count(world, kCup), 64u);
-    double worst = 0.0;
-    for (int tick = 0; tick < 3 * rate; ++tick) {
-      world.step();
-      double sum = 0.0;
-      for (const VoronoiPiece& piece : pieces->cut.pieces) {
-        sum += world.contact_impulse_n_s(kCup, piece.mass.centre_of_mass_m);
+    std::array<double, 5> weights;  // largest of a heap
+    for (size_t heap = 0; heap < weights.size(); ++heap) {
+      World world = with_cup(cup_at(4.0 + 0.001 * static_cast<double>(heap)), world_at(rate, 4), pieces);
+      world.add_collider(floor_plane());
+      run_seconds(world, 1.4);
+      ASSERT_EQ(body_count(world, kCup), 64u);
+      double worst = 0.0;
+      for (int tick = 0; tick < 3 * rate; ++tick) {
+        world.step();
+        double sum = 0.0;
+        for (const VoronoiPiece& piece : pieces->cut.pieces) {
+          sum += world.contact_impulse_n_s(kCup, piece.mass.centre_of_mass_m);
+        }
+        worst = std::max(worst, sum);
       }
-      worst = std::max(worst, sum);
+      weights[heap] = worst * rate / (kMass_kg * kGravity);
     }
-    RecordProperty("weights", std::to_string(worst * rate / (kMass_kg * kGravity)));
-    // A fragment on two others is counted three times, and the fragments rock.
-    EXPECT_LT(worst, (rate < 75 ? 6.3 : 3.7) * kMass_kg * kGravity / rate);
+    std::sort(weights.begin(), weights.end());
+    RecordProperty("weights", std::to_string(weights[2]));
+    EXPECT_LT(weights[2], 3.7);
   }
 }
 
