@@ -155,12 +155,13 @@ int main(int argc, char** argv) {
   auto* script = app.add_option("--script", options.script_file,
                                 "Offscreen mode: input script of the hands (JSON, message InputScript)");
   app.add_option("--poke", options.poke,
-                 "Poke the named object: pull it by the ray, then shoot two balls at it")
+                 "Poke the named object: pull it with the ray of a hand, then shoot two balls at it")
       ->excludes(script);
   app.add_option("--select", select, "Object selected in the panel at the start");
   app.add_option("--force", forces,
-                 "Apply a force in newtons at a point of the object at rest, "
-                 "record it to a video with a description, and exit. Repeat for several points at once")
+                 "Window mode: apply the force FX,FY,FZ in newtons (world axes) for SECONDS, at most 60, at "
+                 "the point X,Y,Z in metres (object at rest), record a video and a description, and exit. "
+                 "Repeat the option for several points at once")
       ->allow_extra_args(false);
   app.add_option("--video-rate", options.video_rate_hz, "Video frame rate in Hz")
       ->check(CLI::Range(1.0, 240.0))
@@ -209,8 +210,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--pair", access.pairing_code,
                  "Pairing code displayed by the server; its certificate is stored");
-  app.add_option("--token-file", access.token_file,
-                 "File with the access token in its first line; the token is stored (default: LIVEGS_TOKEN)")
+  app.add_option(
+         "--token-file", access.token_file,
+         "File with the access token in its first line; the token is stored (default: the value of the "
+         "variable LIVEGS_TOKEN, else the stored token)")
       ->check(CLI::ExistingFile);
   app.add_option("--state-dir", access.state_dir,
                  "Folder for paired servers (default: $XDG_STATE_HOME/livegs)");
@@ -257,8 +260,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (!std::isfinite(options.rate_hz)) return report(livegs::invalid_argument("--rate: is not a number"));
-  if (!std::isfinite(from_s)) return report(livegs::invalid_argument("--from: is not a number"));
+  if (!std::isfinite(options.rate_hz))
+    return report(livegs::invalid_argument("--rate: is not a number; give 5 to 1000 Hz"));
+  if (!std::isfinite(from_s))
+    return report(livegs::invalid_argument("--from: is not a number; give a time in seconds"));
   if (options.address.empty() && replay_file.empty())
     return report(
         livegs::invalid_argument("HOST:PORT: is required; give the server's address, or --replay FILE"));

@@ -416,10 +416,9 @@ int main(int argc, char** argv) {
                  "Folder, http(s):// or s3://BUCKET/PREFIX of livegs publish. Missing files of SCENE and the "
                  "clients' assets are fetched from it (default: the folder of SCENE)")
       ->type_name("PLACE");
-  app.add_option(
-         "--client-store", options.client_store,
-         "Address of the same store for clients, if it is another one (default: the http(s):// address "
-         "of --asset-store or SCENE; else clients fetch from this server)")
+  app.add_option("--client-store", options.client_store,
+                 "Address of the same store for clients, if it differs (default: the http(s):// address "
+                 "of --asset-store or SCENE; else clients fetch from this server)")
       ->check(check_store);
   app.add_option(
          "--listen", options.listen,
@@ -494,8 +493,8 @@ int main(int argc, char** argv) {
       app.add_flag("--wait-for-client", options.wait_for_client,
                    "Delay the first tick until a client shows its first picture and starts the simulation");
   auto* fleet = app.add_option("--fleet", options.fleet,
-                               "agones: this server is a GameServer; its state is reported to the sidecar on "
-                               "AGONES_SDK_HTTP_PORT, which must reply within 30 s")
+                               "agones: this server is a GameServer and reports its state to the sidecar on "
+                               "port AGONES_SDK_HTTP_PORT. The sidecar must reply within 30 s")
                     ->check(CLI::IsMember({"agones"}))
                     ->excludes(waits);  // without ticks there is no Health
   app.add_option("--fleet-empty-s", options.fleet_empty_s,
@@ -527,10 +526,9 @@ int main(int argc, char** argv) {
   app.add_option("--price", options.endpoint.price,
                  "Price in US dollars per million tokens sent and received, for cost reports "
                  "(default: the value of the variable LIVEGS_PRICE)");
-  app.add_option(
-         "--model-deadline", options.endpoint.deadline_s,
-         "Time limit of one question including retries, 1 to 3600 s (default: the value of the variable "
-         "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
+  app.add_option("--model-deadline", options.endpoint.deadline_s,
+                 "Time limit of one question including retries (default: the value of the variable "
+                 "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   app.add_flag("--web-search", options.endpoint.web_search,

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Runs the CPU twins on the threads of parallel_for, in fixed blocks: the same bits for any thread count. A
-// dispatch is complete when the call returns.
+// Runs the CPU functions on the threads of parallel_for, in fixed blocks: the same bits for any thread count.
+// A dispatch is complete when the call returns.
 class CpuBackend final : public Backend {
  public:
   Result<BufferId> create_buffer(size_t bytes) override;

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Arguments of the CPU twin of a pass for one dispatch. Buffers are in the order of the shader bindings and
-// aligned to 16 bytes.
+// Arguments of the CPU function of a pass for one dispatch. Buffers are in the order of the shader bindings
+// and aligned to 16 bytes.
 struct PassArguments {
   std::span<const std::span<std::byte>> buffers;
   std::span<const std::byte> constants;

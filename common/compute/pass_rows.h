@@ -5,7 +5,7 @@
 
 #include "compute/pass.h"
 
-// Typed access to the buffers of a CPU twin.
+// Typed access to the buffers of a CPU function.
 
 namespace livegs {
 

@@ -22,12 +22,13 @@ template <class Container>
 Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_bytes) {
   Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.fd < 0) {
-    if (errno == ENOENT) return not_found(path.string() + ": no such file");
-    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be opened: " + std::strerror(errno)};
+    if (errno == ENOENT) return not_found(path.string() + ": no such file; check the path");
+    return Error{ErrorCode::PermissionDenied,
+                 path.string() + ": cannot be opened: " + std::strerror(errno) + "; check its permissions"};
   }
   struct stat status {};
   if (::fstat(file.fd, &status) != 0 || !S_ISREG(status.st_mode)) {
-    return invalid_argument(path.string() + ": is not a regular file");
+    return invalid_argument(path.string() + ": is not a regular file; give a file");
   }
   const auto size = static_cast<uint64_t>(status.st_size);
   if (size > max_bytes) {

@@ -34,7 +34,8 @@ Result<RecordingFile> RecordingFile::create(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (descriptor < 0) {
     const std::string why = errno == EEXIST ? "already exists; choose another name for the recording"
-                                            : std::string("cannot be created: ") + std::strerror(errno);
+                                            : std::string("cannot be created: ") + std::strerror(errno) +
+                                                  "; choose another folder";
     return invalid_argument(path.string() + ": " + why);
   }
   return RecordingFile(path, descriptor);
@@ -44,12 +45,12 @@ Result<RecordingFile> RecordingFile::open(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
     return Error{errno == ENOENT ? ErrorCode::NotFound : ErrorCode::InvalidArgument,
-                 path.string() + ": cannot be read: " + std::strerror(errno)};
+                 path.string() + ": cannot be read: " + std::strerror(errno) + "; check the path"};
   }
   struct stat about {};
   RecordingFile file(path, descriptor);
   if (::fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode))
-    return invalid_argument(path.string() + ": is not a regular file");
+    return invalid_argument(path.string() + ": is not a regular file; give a *.lvgrec file");
   return file;
 }
 
@@ -84,7 +85,8 @@ Result<void> RecordingFile::read(uint64_t offset, std::span<std::byte> bytes) co
     const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)
-      return Error{ErrorCode::Internal, path_.string() + ": cannot be read: " + std::strerror(errno)};
+      return Error{ErrorCode::Internal,
+                   path_.string() + ": cannot be read: " + std::strerror(errno) + "; check the path"};
     if (got == 0) return invalid_data(path_.string() + ": is truncated");
     offset += static_cast<uint64_t>(got);
     bytes = bytes.subspan(static_cast<size_t>(got));

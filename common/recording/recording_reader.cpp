@@ -63,13 +63,14 @@ Result<std::optional<RecordingReader::Chunk>> RecordingReader::read_chunk(uint64
   if (auto read = file_.read(offset + kChunkHeadBytes, chunk.payload); !read) return read.error();
   uint32_t sum = static_cast<uint32_t>(crc32_z(0, &chunk.kind, 1));
   sum = static_cast<uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(chunk.payload.data()), size));
-  if (sum != check) return bad("is damaged at offset " + std::to_string(offset) + ": wrong checksum");
+  if (sum != check)
+    return bad("is damaged at offset " + std::to_string(offset) + ": wrong checksum; restore it from a copy");
   return std::optional<Chunk>(std::move(chunk));
 }
 
 Result<void> RecordingReader::read_start() {
   std::array<std::byte, kMagic.size()> magic;
-  if (file_.size() < magic.size()) return bad("is not a recording: too short");
+  if (file_.size() < magic.size()) return bad("is not a recording: too short; give a *.lvgrec file");
   if (auto read = file_.read(0, magic); !read) return read;
   const auto differs =
       std::mismatch(magic.begin(), magic.end(), kMagic.begin(),
@@ -79,7 +80,7 @@ Result<void> RecordingReader::read_start() {
                        std::to_string(std::to_integer<int>(magic[6])) + "; this build reads version " +
                        std::to_string(kMagic[6]));
   }
-  if (differs.first != magic.end()) return bad("is not a recording");
+  if (differs.first != magic.end()) return bad("is not a recording; give a *.lvgrec file");
   auto chunk = read_chunk(magic.size());
   if (!chunk) return chunk.error();
   if (!*chunk || !is((*chunk)->kind, ChunkKind::Start) || !parse(start_, (*chunk)->payload))

@@ -206,7 +206,7 @@ class HttpStore final : public ObjectStore {
         at = offset;
       }
       if (changed && ++changes > kMaxChanges)
-        return Error{ErrorCode::Unavailable, shown(name) + ": changes while it is read"};
+        return Error{ErrorCode::Unavailable, shown(name) + ": changes while it is read; try again"};
       if (changed && !version) {
         if (auto taken = take(at, {}); !taken) return taken;  // what was taken is void
         continue;
@@ -281,7 +281,8 @@ class HttpStore final : public ObjectStore {
         return invalid_argument(object + "is not a valid address; check its characters");
       case HttpReply::End::BadTls:
         return {ErrorCode::PermissionDenied,
-                object + "the certificate of the store is not valid: " + reply.message};
+                object + "the certificate of the store is not valid: " + reply.message +
+                    "; check the address, or install the certificate of its issuer"};
       default:
         return {ErrorCode::Unavailable, object + reply.message};
     }
@@ -401,7 +402,8 @@ Result<std::vector<std::byte>> ObjectStore::get(const std::string& name, std::ui
 
 Result<void> ObjectStore::put_file(const std::string& name, const fs::path& path, std::stop_token stop) {
   const MappedFile file(path);
-  if (!file.valid()) return not_found(path.string() + ": is not a file that can be read");
+  if (!file.valid())
+    return not_found(path.string() + ": is not a file that can be read; check the path and its permissions");
   return put(name, file.bytes(), stop);
 }
 

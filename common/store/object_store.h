@@ -17,67 +17,71 @@
 
 namespace livegs {
 
-// Largest object that is read whole, bytes.
+// Default limit of get() and get_by_hash(), bytes. Larger: one object may occupy more memory.
 inline constexpr std::uint64_t kMaxObjectBytes = std::uint64_t{4} << 30;
 
 // Limits of one call, seconds.
 struct StoreTimes {
-  double patience_s = 20;  // without a byte, over all repetitions of a failing request; the time in which an
-                           // upload sends bytes does not count
-  double stall_s = 10;     // without a byte, of one request
+  // Longest time without a received byte, over all attempts of a request. The time in which an upload sends
+  // bytes does not count. Larger: longer outages are tolerated, failures are reported later.
+  double patience_s = 20;
+  // Longest time without a received byte in one attempt. Larger: a stalled transfer is repeated later.
+  double stall_s = 10;
 };
 
 // Whether the text is an address (http://, https://, s3://) instead of a path.
 bool is_store_url(std::string_view text);
-// The address without user, password and query, which may hold a key; for messages and logs. A path is
-// unchanged.
+// The address for messages and logs. User, password and query are removed, because they may contain a key. A
+// path is unchanged.
 std::string shown_url(std::string_view text);
 
-// A place of objects by name: a folder, an HTTP server, or a bucket of an S3-compatible store. Names are
-// relative paths with "/". Any thread.
+// A store that reads and writes objects by name: a folder, an HTTP server, or a bucket of an S3-compatible
+// store. Names are relative paths with "/". Any thread.
 //
 // - FOLDER: files. put() replaces a file atomically.
 // - http://HOST/PATH, https://HOST/PATH: GET with ranges, HEAD and PUT of PATH/NAME, for public places and
 //   presigned addresses: a name may end in a query ("photos.zip?X-Amz-Signature=...").
 // - s3://BUCKET/PREFIX: the same, signed with AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and, if it is set,
-//   AWS_SESSION_TOKEN, for AWS_REGION (AWS_DEFAULT_REGION, us-east-1). AWS_ENDPOINT_URL names another store
-//   than Amazon's. Without keys the requests are not signed.
+//   AWS_SESSION_TOKEN. The region is AWS_REGION, else AWS_DEFAULT_REGION, else us-east-1. AWS_ENDPOINT_URL
+//   selects a store other than Amazon's. Requests without keys are not signed.
 //
-// A request that fails in passing (no connection, cut or stalled transfer, status 408, 429 or 5xx) is
-// repeated, a read from its last byte on, until no byte moved for StoreTimes::patience_s. A read gives the
-// bytes of one version of an object (ETag, Last-Modified, size). Errors name the object and the cause, never
-// a key:
-// - Unavailable: passing, but patience ended; the object changes again and again; or `stop` was requested.
-// - NotFound: no such object (404, 410).
-// - PermissionDenied: 401, 403.
+// A request with a temporary failure (no connection, cut or stalled transfer, status 408, 429 or 5xx) is
+// repeated until no byte has arrived for StoreTimes::patience_s. A read continues after its last byte. It
+// returns the bytes of one version of an object (ETag, Last-Modified, size). Errors contain the object and
+// the cause, but not a key:
+// - Unavailable: a temporary failure lasted for StoreTimes::patience_s, the object changed more than three
+//   times during a read, or `stop` was requested.
+// - NotFound: the object does not exist (404, 410).
+// - PermissionDenied: status 401 or 403, an invalid certificate, or an unreadable file.
 // - InvalidData: wrong range, size or hash.
-// - InvalidArgument: any other refusal.
+// - InvalidArgument: an invalid address, or any other status below 500.
 class ObjectStore {
  public:
-  // InvalidArgument for an address without a host or bucket, or for a name of the environment that is
-  // missing.
+  // InvalidArgument for an address without a host or bucket, or if AWS_ACCESS_KEY_ID is set without
+  // AWS_SECRET_ACCESS_KEY.
   static Result<std::shared_ptr<ObjectStore>> open(const std::string& place, const StoreTimes& times = {});
   virtual ~ObjectStore() = default;
 
-  // Takes a piece of an object, in order; an error ends the transfer. If the object changes during the
-  // transfer, its pieces begin again at the offset of the first one, and those before are void.
+  // Receives the pieces of an object in order. An error of the callback ends the transfer. If the object
+  // changes during the transfer, the pieces restart at the first offset, and earlier pieces are invalid.
   using Take = std::function<Result<void>(std::uint64_t offset, std::span<const std::byte> bytes)>;
-  // The bytes from `offset` on; none at the end of the object.
+  // Passes the bytes from `offset` on to `take`; none if `offset` is the size of the object.
   virtual Result<void> read(const std::string& name, std::uint64_t offset, const Take& take,
                             std::stop_token stop = {}) = 0;
   // Creates or replaces an object.
   virtual Result<void> put(const std::string& name, std::span<const std::byte> bytes,
                            std::stop_token stop = {}) = 0;
-  // The same from a regular file of any size, which is not copied into memory and must not become shorter.
+  // The same for the content of a regular file of any size. The file is mapped, not copied. It must not
+  // shrink during the call.
   Result<void> put_file(const std::string& name, const std::filesystem::path& path,
                         std::stop_token stop = {});
-  // Bytes of an object; nothing if it does not exist.
+  // Size of an object, bytes; nullopt if it does not exist.
   virtual Result<std::optional<std::uint64_t>> size(const std::string& name, std::stop_token stop = {}) = 0;
 
   // The whole object. TooLarge above `max_bytes`.
   Result<std::vector<std::byte>> get(const std::string& name, std::uint64_t max_bytes = kMaxObjectBytes,
                                      std::stop_token stop = {});
-  // The object whose name is the SHA-256 of its bytes. InvalidData if another attempt also has other bytes.
+  // The object whose name is the SHA-256 of its bytes. InvalidData if the hash differs in two attempts.
   Result<std::vector<std::byte>> get_by_hash(const std::string& hash,
                                              std::uint64_t max_bytes = kMaxObjectBytes,
                                              std::stop_token stop = {});

@@ -15,7 +15,7 @@ Result<HostPort> parse_host_port(const std::string& text) {
   const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
   if (colon == 0 || port.empty() || read.ptr != port.data() + port.size() || read.ec != std::errc() ||
       number < 0 || number > 65535) {
-    return invalid_argument(text + ": must be HOST:PORT with a port from 0 to 65535");
+    return invalid_argument(text + ": is not HOST:PORT; give a port from 0 to 65535, as in 127.0.0.1:9780");
   }
   parsed.host = text.substr(0, colon);
   parsed.port = number;

@@ -64,7 +64,8 @@ Result<void> KnownServers::remember(const std::string& address, const KnownServe
 Result<void> KnownServers::remove_server_entry(const std::string& address) const {
   auto known = read(file_);
   if (!known) return known.error();
-  if (known->erase(address) == 0) return not_found(address + ": not a paired server");
+  if (known->erase(address) == 0)
+    return not_found(address + ": is not a paired server; give HOST:PORT as it was paired");
   return write(file_, *known);
 }
 

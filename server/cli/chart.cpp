@@ -29,8 +29,8 @@ int run(const ChartCommand& options) {
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (error) {
-    return report(
-        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be created: " + error.message()});
+    return report({ErrorCode::PermissionDenied, options.output.string() + ": cannot be created: " +
+                                                    error.message() + "; give another folder with --output"});
   }
   // Warnings are suppressed: the study runs solvers beyond their limits on purpose.
   set_log_level(LogLevel::Error);

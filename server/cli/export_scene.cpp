@@ -44,7 +44,8 @@ Result<fs::path> file_to_write(const SceneExport& options) {
   if (has_ending(name, ".scene.json")) name.resize(name.size() - std::string(".scene.json").size());
   if (name.empty()) name = "scene";
   fs::create_directories(options.output, failed);
-  if (failed) return invalid_argument(output + ": cannot be created: " + failed.message());
+  if (failed)
+    return invalid_argument(output + ": cannot be created: " + failed.message() + "; give another folder");
   return options.output / (name + (gltf ? ".gltf" : ".usda"));
 }
 

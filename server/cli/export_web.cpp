@@ -151,7 +151,9 @@ Result<void> export_web(const std::filesystem::path& recording, const std::files
     assets[hash] = std::move(*stored);
   }
   std::filesystem::create_directories(folder / "assets", failed);
-  if (failed) return invalid_argument(folder.string() + ": cannot be created: " + failed.message());
+  if (failed)
+    return invalid_argument(folder.string() + ": cannot be created: " + failed.message() +
+                            "; give another folder");
   if (auto written = write_page(folder); !written) return written;
   if (auto written = write_file_atomically(folder / "film.bin", film.bytes()); !written) return written;
   if (auto written = write_file_atomically(folder / "film.json", film.index(reader->start().rate_hz()));

@@ -50,9 +50,11 @@ Result<void> check_output_folder(const std::filesystem::path& path) {
   while (!std::filesystem::exists(there, ignored) && there != there.parent_path())
     there = there.parent_path();
   if (!std::filesystem::is_directory(there, ignored))
-    return invalid_argument(path.string() + ": cannot be a folder, because " + there.string() + " is a file");
+    return invalid_argument(path.string() + ": cannot be a folder, because " + there.string() +
+                            " is a file; give another folder");
   if (::access(there.c_str(), W_OK) != 0)
-    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
+    return Error{ErrorCode::PermissionDenied,
+                 path.string() + ": cannot be written: " + std::strerror(errno) + "; give another folder"};
   return {};
 }
 

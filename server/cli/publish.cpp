@@ -16,12 +16,12 @@ void add_publish(CLI::App& app, int& exit_code) {
   };
   const auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
-      "publish", "Store a scene and its assets, so that servers start and clients load from the store");
+      "publish", "Store a scene and its assets in a store, from which servers start and clients load assets");
   command->add_option("SCENE", options->scene, "A *.scene.json, a folder of assets or one asset")->required();
   command
       ->add_option(
           "--asset-store", options->place,
-          "Folder that a web server serves, http(s):// address that takes PUT, or s3://BUCKET/PREFIX "
+          "Folder that a web server serves, http(s):// address that accepts PUT, or s3://BUCKET/PREFIX "
           "(AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_REGION, AWS_ENDPOINT_URL)")
       ->required()
       ->type_name("PLACE");

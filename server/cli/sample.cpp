@@ -38,7 +38,8 @@ int write_sample(const std::filesystem::path& folder, uint64_t seed) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    return report({ErrorCode::PermissionDenied, folder.string() + ": cannot be created: " + error.message()});
+    return report({ErrorCode::PermissionDenied,
+                   folder.string() + ": cannot be created: " + error.message() + "; give another folder"});
   for (const SampleAsset& sample : make_sample_assets(seed)) {
     const auto path = folder / (sample.name + ".ply");
     if (auto written = write_asset(path, sample.asset); !written) return report(written.error());

@@ -58,7 +58,9 @@ void add_token(CLI::App& app, int& exit_code) {
                      ->excludes(fresh);
   auto* name = command->add_option("--name", options->name, "Name of the person")->excludes(fresh);
   command->add_option("--scope", options->scope, "view, interact, author or admin")->capture_default_str();
-  command->add_option("--valid-s", options->valid_s, "Seconds until the token expires, also during a visit")
+  command
+      ->add_option("--valid-s", options->valid_s,
+                   "Seconds until the token expires. A session ends when its token expires")
       ->check(CLI::Range(1.0, kMaxValid_s))
       ->capture_default_str();
   command->footer(

@@ -13,7 +13,7 @@ namespace livegs {
 // Values of the option --physics.
 inline const std::vector<std::string> kPhysicsChoices = {"auto", "cpu", "vulkan"};
 inline constexpr const char* kPhysicsHelp =
-    "Device that steps isolated elastic bodies: auto (the cheaper of the CPU and a GPU), cpu, or vulkan "
+    "Device that steps isolated elastic bodies: auto (the CPU or a GPU, by predicted time), cpu, or vulkan "
     "(also a software device)";
 
 // Chooses the device that steps elastic bodies, for set_elastic_device:

@@ -7,6 +7,7 @@
 #include "core/clock.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "json/json_message.h"
 
 namespace livegs {
@@ -20,16 +21,19 @@ constexpr double kGravity_m_s2 = 9.81;
 
 Result<void> check_vector(const Numbers& numbers, const std::string& field, bool needed) {
   if (numbers.empty() && !needed) return {};
-  if (numbers.size() != 3) return invalid_data(field + ": is not [x, y, z]");
+  if (numbers.size() != 3)
+    return invalid_data(field + ": has " + std::to_string(numbers.size()) +
+                        " numbers; give [x, y, z] in metres");
   for (double number : numbers) {
-    if (!(std::abs(number) <= 1000.0)) return invalid_data(field + ": is not within 1000 m");
+    if (!(std::abs(number) <= 1000.0))
+      return invalid_data(field + format_text(": %g m is out of range; give -1000 to 1000 m", number));
   }
   return {};
 }
 
 Result<void> check_seconds(double seconds, const std::string& field) {
   if (seconds >= 0 && seconds <= 1e6) return {};
-  return invalid_data(field + ": is not a time from 0 to 1e6 s");
+  return invalid_data(field + format_text(": %g s is out of range; give 0 to 1e6 s", seconds));
 }
 
 Result<void> check_script(const v1::InputScript& script) {
@@ -39,7 +43,8 @@ Result<void> check_script(const v1::InputScript& script) {
     std::vector<Result<void>> checks;
     if (action.has_poke()) {
       const auto& poke = action.poke();
-      if (poke.object().empty()) return invalid_data(field + ".poke.object: is missing");
+      if (poke.object().empty())
+        return invalid_data(field + ".poke.object: is missing; name the object to pull");
       checks = {check_seconds(poke.start_s(), field + ".poke.start_s"),
                 check_seconds(poke.pull_s(), field + ".poke.pull_s"),
                 check_seconds(poke.hold_s(), field + ".poke.hold_s"),
@@ -47,7 +52,8 @@ Result<void> check_script(const v1::InputScript& script) {
                 check_vector(poke.pull_m(), field + ".poke.pull_m", false)};
     } else if (action.has_grab()) {
       const auto& grab = action.grab();
-      if (grab.object().empty()) return invalid_data(field + ".grab.object: is missing");
+      if (grab.object().empty())
+        return invalid_data(field + ".grab.object: is missing; name the object to grab");
       checks = {check_seconds(grab.start_s(), field + ".grab.start_s"),
                 check_seconds(grab.move_s(), field + ".grab.move_s"),
                 check_seconds(grab.hold_s(), field + ".grab.hold_s"),
@@ -162,7 +168,8 @@ void ScriptedHands::apply(Poke& poke, double time_s, const Locate& locate, HandS
     const auto extent = locate(poke.script.object());
     if (!extent) {
       poke.missed = true;
-      log_warn("script: no object is named \"%s\"; the action is skipped", poke.script.object().c_str());
+      log_warn("script: no object is named \"%s\", so the action is skipped; name an object of the scene",
+               poke.script.object().c_str());
       return;
     }
     const Eigen::Vector3d from_m = vector_or(poke.script.from_m(), settings_.eye_m);
@@ -185,7 +192,8 @@ void ScriptedHands::apply(Grab& grab, double time_s, const Locate& locate, HandS
     const auto extent = locate(grab.script.object());
     if (!extent) {
       grab.missed = true;
-      log_warn("script: no object is named \"%s\"; the action is skipped", grab.script.object().c_str());
+      log_warn("script: no object is named \"%s\", so the action is skipped; name an object of the scene",
+               grab.script.object().c_str());
       return;
     }
     grab.from_m = extent->middle_m;
@@ -207,7 +215,8 @@ void ScriptedHands::apply(Ball& ball, double time_s, const Locate& locate, HandS
   if (ball.script.aim_case() == v1::InputScript::Ball::kObject) {
     const auto extent = locate(ball.script.object());
     if (!extent) {
-      log_warn("script: no object is named \"%s\"; the action is skipped", ball.script.object().c_str());
+      log_warn("script: no object is named \"%s\", so the action is skipped; name an object of the scene",
+               ball.script.object().c_str());
       return;
     }
     mark = extent->middle_m;

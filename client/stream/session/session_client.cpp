@@ -271,7 +271,10 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   if (options.access) {
     if (auto remembered = options.access->remember(); !remembered) return remembered.error();
   }
-  if (reply->view_only()) log_warn("%s: the token has view scope; input is ignored", address.c_str());
+  if (reply->view_only())
+    log_warn(
+        "%s: the token has scope view, so input is ignored; give one of scope interact with --token-file",
+        address.c_str());
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
   connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
@@ -486,9 +489,12 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   const auto reply = join(after(lost.last_message_ns, options.reconnect_s));
   if (!reply) {
     if (!reply.error().message.empty() && reply.error().code != ErrorCode::Unavailable) return reply.error();
-    return Error{ErrorCode::Unavailable,
-                 "server " + address + ": connection lost: " + lost.reason +
-                     format_text("; not restored within %.1f s", options.reconnect_s)};
+    return Error{
+        ErrorCode::Unavailable,
+        "server " + address + ": connection lost: " + lost.reason +
+            format_text(
+                " and not restored within %.1f s; check the server, or wait longer with --reconnect SECONDS",
+                options.reconnect_s)};
   }
   ResumedSession resumed;
   resumed.same_server = reply->server_instance() == server_instance;

@@ -25,7 +25,7 @@ class ProgressiveObjects {
   // Any thread.
   void request(const StreamedObject& object) { assets_.request(object); }
 
-  // An object with the part of its asset that was available.
+  // An object with bound kernels: those of its asset that had arrived.
   struct Binding {
     StreamedObject object;
     BoundObject bound;
@@ -33,8 +33,8 @@ class ProgressiveObjects {
     bool whole = true;
   };
   // Binds the first kernels of an asset that was requested. Errors: those of the fetch, of the decoder and of
-  // bind_object(); the binding then has no kernels to show.
-  // `whole`: binds all of them, once the asset is complete.
+  // bind_object().
+  // `whole` true: waits for the complete asset and binds all kernels.
   std::future<Result<Binding>> bind(const StreamedObject& object, bool whole = false);
   // Shows a binding without blocking. `added` true: calls SceneView::add(); false: SceneView::change().
   void show(Binding binding, SceneView& view, bool added);

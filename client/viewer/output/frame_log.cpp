@@ -21,7 +21,8 @@ std::unique_ptr<std::FILE, int (*)(std::FILE*)> open(const std::filesystem::path
 }
 
 Error cannot_write(const std::filesystem::path& path) {
-  return invalid_argument(path.string() + ": the file cannot be written: " + std::strerror(errno));
+  return invalid_argument(path.string() + ": the file cannot be written: " + std::strerror(errno) +
+                          "; choose another folder with --output");
 }
 
 }  // namespace

@@ -193,8 +193,10 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   else if (!streamed)
     summary.stream_error = streamed.error(), summary.error_logged = true;
   else if (recorder.gave_up())
-    summary.stream_error = Error{ErrorCode::Unavailable, options.address + ": no frame arrived within " +
-                                                             format_text("%.0f s", recorder.patience_s())};
+    summary.stream_error =
+        Error{ErrorCode::Unavailable,
+              options.address + ": no frame arrived within " +
+                  format_text("%.0f s; check the server with livegs ctl status", recorder.patience_s())};
   return summary;
 }
 

@@ -75,8 +75,8 @@ AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file) 
 
 Result<void> check_from(const ReplayOptions& options, double length_s) {
   if (options.from_s <= length_s) return {};
-  return invalid_argument(
-      format_text("--from %g: %s is %.3f s long", options.from_s, options.file.c_str(), length_s));
+  return invalid_argument(format_text("--from %g: %s is %.3f s long; give an earlier time", options.from_s,
+                                      options.file.c_str(), length_s));
 }
 
 Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic<bool>& interrupted) {

@@ -84,7 +84,9 @@ class ReplayWindow {
     history_ = FrameHistory(kFramesKept);
     at_end_ = false;
     if (auto taken = take_frame(); !taken) return taken;
-    if (history_.empty()) return invalid_data(options_.file.string() + ": the recording has no frame");
+    if (history_.empty())
+      return invalid_data(options_.file.string() +
+                          ": the recording has no frame; check it with livegs ctl replay FILE");
     moment_ns_ = history_.newest().simulated_ns;
     first_ns_ = moment_ns_ - static_cast<int64_t>(1e9 * seconds);
     return {};

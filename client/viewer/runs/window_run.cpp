@@ -133,7 +133,8 @@ Result<void> WindowRun::first_frame() {
   camera_.emplace(orbit_of(view_, *camera));
   if (!options_.poke.empty()) hands_.begin_script(options_.poke, camera->world_from_camera.position_m);
   if (!options_.select.empty() && !object_named(objects_, options_.select))
-    return not_found("--select: no object is named \"" + options_.select + "\"");
+    return not_found("--select: no object is named \"" + options_.select +
+                     "\"; start without --select to see the names");
   panel_.select(options_.select);
   begun_ns_ = now_ns();
   if (options_.forces.empty()) return {};
@@ -471,7 +472,8 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
     std::error_code error;
     std::filesystem::create_directories(options.screenshots, error);
     if (error)
-      return invalid_argument(options.screenshots.string() + ": cannot be created: " + error.message());
+      return invalid_argument(options.screenshots.string() + ": cannot be created: " + error.message() +
+                              "; choose another folder with --output");
   }
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height, options.ui_scale,

@@ -20,7 +20,9 @@ Result<ForceStudy> WindowStudy::study_of(const v1::Event::Force& force, const Ob
   const StreamedObject* object = object_named(objects, force.object());
   const Eigen::Vector3d rest_point_m(force.point_m(0), force.point_m(1), force.point_m(2));
   const auto kernel = object ? view_.nearest_kernel(object->id, rest_point_m) : std::nullopt;
-  if (!kernel) return not_found("--force: no object is named \"" + force.object() + "\"");
+  if (!kernel)
+    return not_found("--force: no object is named \"" + force.object() +
+                     "\"; start without --force to see the names");
   ForceStudy study;
   study.aim({force.object(), object->id, *kernel, rest_point_m});
   study.choose_force({force.force_n(0), force.force_n(1), force.force_n(2)}, force.duration_s());

@@ -104,9 +104,10 @@ Result<v1::Event::Force> parse_force(const std::string& text) {
   }
   const auto is_finite = [](double number) { return std::isfinite(number); };
   if (!std::all_of(p, p + 3, is_finite) || !std::all_of(f, f + 3, is_finite))
-    return invalid_argument("--force " + text + ": the point and the force must be finite numbers");
+    return invalid_argument("--force " + text +
+                            ": the point or the force is not finite; give metres and newtons");
   if (!(seconds > 0 && seconds <= kMaxForceDuration_s))
-    return invalid_argument("--force " + text + ": SECONDS must be over 0 and at most 60");
+    return invalid_argument("--force " + text + ": SECONDS is out of range; give more than 0 and at most 60");
   v1::Event::Force force;
   force.set_object(text.substr(0, at));
   for (double number : p) force.add_point_m(number);

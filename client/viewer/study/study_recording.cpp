@@ -23,7 +23,9 @@ Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder
                                              double tick_rate_hz) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) return invalid_argument(folder.string() + ": the folder cannot be created: " + error.message());
+  if (error)
+    return invalid_argument(folder.string() + ": the folder cannot be created: " + error.message() +
+                            "; choose another folder with --output");
   std::filesystem::path stem;
   for (int number = 1; stem.empty() || std::filesystem::exists(stem.string() + ".txt"); ++number) {
     stem = folder / format_text("study_%03d", number);

@@ -62,7 +62,7 @@ class Page {
     this.viewOnly = kFramed || given.has('view');
     this.editRevision = 0;
     for (const id of [...this.panels.items.keys()]) this.panels.remove(id);
-    for (const { reject } of this.calls.values()) reject(new Error('the connection was restarted'));
+    for (const { reject } of this.calls.values()) reject(new Error('the connection was restarted; try again'));
     this.calls.clear();
   }
 
@@ -72,7 +72,7 @@ class Page {
     this.renderer = new Renderer(gl);
     this.worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
     this.worker.onmessage = ({ data }) => this.take(data);
-    this.worker.onerror = (event) => this.panels.status('ended', `the worker failed: ${event.message ?? 'it could not be loaded'}`);
+    this.worker.onerror = (event) => this.panels.status('ended', `the worker failed: ${event.message ?? 'it could not be loaded'}; reload the page`);
     this.panels.status('connecting', '');
     this.post({ type: 'start', token: given.get('token') ?? (kFramed ? '' : load(kTokenKey)), rate_hz: kRate_hz, wasm: new URL('./livegs.wasm', import.meta.url).href, film });
     this.changed();

@@ -14,7 +14,8 @@ Result<std::unique_ptr<OffscreenDisplay>> OffscreenDisplay::open(const Offscreen
   std::error_code error;
   std::filesystem::create_directories(options.folder, error);
   if (error)
-    return invalid_argument(options.folder.string() + ": the folder cannot be created: " + error.message());
+    return invalid_argument(options.folder.string() + ": the folder cannot be created: " + error.message() +
+                            "; choose another folder with --output");
   std::unique_ptr<OffscreenDisplay> display(new OffscreenDisplay(options));
   if (options.video) {
     auto video =

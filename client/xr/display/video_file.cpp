@@ -126,7 +126,9 @@ Result<void> VideoFile::add(const Image& image) {
     const ssize_t count = ::write(pipe_, bytes.data() + written, bytes.size() - written);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0)
-      return Error{ErrorCode::Internal, path_.string() + ": ffmpeg ended early; the video lacks its end"};
+      return Error{
+          ErrorCode::Internal,
+          path_.string() + ": ffmpeg ended early, so the video lacks its end; check the free disk space"};
     written += static_cast<size_t>(count);
   }
   return {};
@@ -136,8 +138,9 @@ Result<void> VideoFile::finish() {
   if (pipe_ < 0) return {};
   ::close(std::exchange(pipe_, -1));
   if (!succeeded(process_)) {
-    return Error{ErrorCode::Internal,
-                 path_.string() + ": ffmpeg could not write the video, or not to its end"};
+    return Error{ErrorCode::Internal, path_.string() +
+                                          ": ffmpeg failed, so the video is incomplete; check the free disk "
+                                          "space and that ffmpeg has libx264"};
   }
   defragment(path_);
   note_written(path_);

@@ -115,7 +115,7 @@ int64_t OpenXrInstance::moment_ns(XrTime time) const {
 XrPath OpenXrInstance::path(const char* text) const {
   XrPath made = XR_NULL_PATH;
   if (XR_FAILED(xrStringToPath(instance_, text, &made)))
-    log_warn("openxr: %s is not a valid path in %s", text, name_.c_str());
+    log_warn("openxr: %s is not a valid path in %s; update the runtime", text, name_.c_str());
   return made;
 }
 

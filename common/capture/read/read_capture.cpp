@@ -185,7 +185,8 @@ bool has_poses(const fs::path& path) {
 
 Result<Capture> read_capture(const fs::path& path) {
   std::error_code ignored;
-  if (!fs::exists(path, ignored)) return not_found(path.string() + ": no such file or folder");
+  if (!fs::exists(path, ignored))
+    return not_found(path.string() + ": no such file or folder; check the path");
   if (!fs::is_directory(path, ignored)) {
     auto capture = capture_of_transforms(path);
     if (!capture) return capture.error();

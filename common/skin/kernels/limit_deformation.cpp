@@ -83,8 +83,8 @@ void order_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {  // the longe
   std::swap(v[p], v[q]);
 }
 
-// CPU twin of limit_by_singular_values in limit_deformation.glsl, step by step. Uses plain floats, so that
-// both choose the same result if rounding decides how a cell collapses.
+// CPU function of limit_by_singular_values in limit_deformation.glsl, step by step. Uses plain floats, so
+// that both choose the same result if rounding decides how a cell collapses.
 void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rotation) {
   const float scale = gradient.cwiseAbs().maxCoeff();
   if (scale < kMinKnownStretch) {

@@ -20,7 +20,7 @@ void main() {
 
   const vec3 local = vec3(k.at_x, k.at_y, k.at_z);
   const vec3 at = clamp(local, 0.0, 1.0);
-  // Summed term by term as in the CPU twin, because F decides how a flattened cell is drawn.
+  // Summed term by term as in the CPU function, because F decides how a flattened cell is drawn.
   precise vec3 far = 1.0 - at;
   precise vec4 position = vec4(0.0);
   precise vec4 dx = vec4(0.0);

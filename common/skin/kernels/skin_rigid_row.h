@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-// CPU twin of main() in skin_rigid.comp.glsl.
+// CPU function of main() in skin_rigid.comp.glsl.
 inline PosedKernelRow skin_rigid_row(const RestKernelRow& kernel, const RigidPoseRow& p) {
   const float r[3][3] = {{p.r00, p.r01, p.r02}, {p.r10, p.r11, p.r12}, {p.r20, p.r21, p.r22}};
   const float s[3][3] = {{kernel.sxx_m2, kernel.sxy_m2, kernel.sxz_m2},

@@ -19,7 +19,7 @@ NodeState state_of(const NodeFloats& floats) {
           Eigen::Map<const Eigen::Array<float, 8, 1>>(floats.data() + 8)};
 }
 
-// CPU twin of main() in skin_lattice.comp.glsl.
+// CPU function of main() in skin_lattice.comp.glsl.
 void skin_lattice_rows(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<SkinLatticeConstants>(arguments.constants, 0);
   const auto& buffers = arguments.buffers;

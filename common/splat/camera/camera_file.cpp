@@ -55,7 +55,7 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   if (auto parsed = parse_json_message(*text, file); !parsed)
     return invalid_data(name + ": " + parsed.error().message);
   if (file.position_m().empty() || file.look_at_m().empty()) {
-    return invalid_data(name + ": position_m and look_at_m are required");
+    return invalid_data(name + ": position_m or look_at_m is missing; give both");
   }
   const auto position = vector_of(file.position_m(), name + ": position_m");
   if (!position) return position.error();
@@ -65,7 +65,9 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   if (file.up_size() > 0) up = vector_of(file.up(), name + ": up");
   if (!up) return up.error();
   if ((*target - *position).cross(*up).norm() < 1e-9) {
-    return invalid_data(name + ": up is parallel to the view direction, or look_at_m equals position_m");
+    return invalid_data(
+        name +
+        ": up is parallel to the view direction, or look_at_m equals position_m; change up or look_at_m");
   }
   const auto fov_deg = number_of(file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0, kMinFov_deg,
                                  kMaxFov_deg, name + ": vertical_fov_deg");

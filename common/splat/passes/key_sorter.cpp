@@ -34,7 +34,7 @@ uint32_t keys_here(const SortKeysConstants& constants, std::span<const std::byte
                                                  : row_at<SortedCount>(counted, 0).instance_count;
 }
 
-// CPU twin of sort_count.comp.glsl. An item is a thread; ranges start at whole groups.
+// CPU function of sort_count.comp.glsl. An item is a thread; ranges start at whole groups.
 void sort_count(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<SortKeysConstants>(arguments.constants, 0);
   const std::span<const uint32_t> keys = words_of(arguments.buffers[0]);
@@ -52,7 +52,7 @@ void sort_count(const PassArguments& arguments, size_t begin, size_t end) {
   }
 }
 
-// CPU twin of sort_scan.comp.glsl. Ranges start at whole groups, which are digits.
+// CPU function of sort_scan.comp.glsl. Ranges start at whole groups, which are digits.
 void sort_scan(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<SortKeysConstants>(arguments.constants, 0);
   const std::span<uint32_t> table = words_of(arguments.buffers[0]);
@@ -64,7 +64,7 @@ void sort_scan(const PassArguments& arguments, size_t begin, size_t end) {
   }
 }
 
-// CPU twin of sort_scatter.comp.glsl.
+// CPU function of sort_scatter.comp.glsl.
 void sort_scatter(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<SortKeysConstants>(arguments.constants, 0);
   const std::span<const uint32_t> keys = words_of(arguments.buffers[0]);

@@ -16,7 +16,7 @@ namespace livegs {
 //
 // A least-significant-digit radix sort with eight passes of four bits (Satish, Harris and Garland 2009,
 // section 4, without the local sort). The result does not depend on the subgroup size or the order of
-// atomics; the CPU twins give the same bits.
+// atomics; the CPU functions give the same bits.
 //
 // Owns its buffers: 16 bytes per key, and 64 bytes per 2048 keys.
 class KeySorter {

@@ -6,7 +6,7 @@
 
 #include "gaussian/asset/posed_kernel_row.h"
 
-// The depth by which kernels are sorted, in floats: the CPU twin of the end of main() in
+// The depth by which kernels are sorted, in floats: the CPU function of the end of main() in
 // project_splats.comp.glsl, also used by the browser client.
 
 namespace livegs {

@@ -52,7 +52,7 @@ Row3 offset_from(const PosedKernelRow& k, float x_m, float y_m, float z_m) {
   return {k.x_m - x_m, k.y_m - y_m, k.z_m - z_m};
 }
 
-// CPU twin of project() in project_splats.comp.glsl, step by step.
+// CPU function of project() in project_splats.comp.glsl, step by step.
 bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, float kernel_log2_opacity,
              bool antialiased, SplatRow& row) {
   row = {0, 0, 0, 0, 0, kCulled_log2, 0, 0, 0};

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-// CPU twins of precise.glsl, which explains the steps.
+// CPU functions of precise.glsl, which explains the steps.
 
 namespace livegs {
 

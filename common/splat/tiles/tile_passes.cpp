@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CPU twins of the passes of frame_tiles.h.
+// CPU functions of the passes of frame_tiles.h.
 #include "splat/tiles/tile_passes.h"
 
 #include <algorithm>

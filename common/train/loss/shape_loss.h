@@ -8,21 +8,21 @@ namespace livegs {
 // Losses on the shape of kernels, added to the loss of the picture.
 enum class ShapeLoss {
   None,
-  Needle,      // mean(max(longest / middle axis, r) - r): forbids needles, allows discs
+  Needle,      // mean(max(longest / middle axis, r) - r): penalises needles, not discs
   Anisotropy,  // mean(max(longest / shortest axis, r) - r), the paper's L_A (Xie et al. 2024, equation 14)
 };
 
 struct ShapeOptions {
   ShapeLoss loss = ShapeLoss::Needle;
   float weight = 1;
-  float limit = 3;  // r
-  // Weight of the mean opacity (Kheradmand et al. 2024, equation 10, with 0.01). It removes superfluous
-  // kernels. With 0.01, surfaces become half-transparent and their depth is wrong by centimetres.
+  float limit = 3;  // r: largest ratio of axes without a loss. Larger: longer kernels remain
+  // Weight of the mean opacity (Kheradmand et al. 2024, equation 10). This term removes superfluous kernels.
+  // Larger, such as the 0.01 of that paper: surfaces become half-transparent, and their depth is wrong.
   float opacity_weight = 0.002f;
-  float scale_weight = 0.01f;  // of the mean axis, as a share of the extent of the scene
+  float scale_weight = 0.01f;  // weight of the mean axis divided by the extent of the scene
 };
 
-// Adds the derivatives to `gradient` and returns the loss.
+// Adds the derivatives to `gradient` and returns the loss. `extent`: of the scene, in its unit.
 double add_shape_loss(const KernelParameters& parameters, const ShapeOptions& options, double extent,
                       KernelParameters& gradient);
 

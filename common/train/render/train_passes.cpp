@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CPU twins of the passes of device_blender.h; the formulas are those of blend_tile.cpp.
+// CPU functions of the passes of device_blender.h; the formulas are those of blend_tile.cpp.
 #include "train/render/train_passes.h"
 
 #include <algorithm>

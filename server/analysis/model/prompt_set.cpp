@@ -148,7 +148,8 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
     return not_found(folder.string() + ": prompt folder not found");
   }
   const auto wrong = [&](const char* file, const std::string& what) {
-    return invalid_data((folder / file).string() + ": " + what);
+    return invalid_data((folder / file).string() + ": " + what +
+                        "; correct it, or delete the file to use the built-in one");
   };
   for (const BuiltIn& file : kBuiltIn) {
     std::string text = file.text;

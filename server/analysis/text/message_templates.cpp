@@ -28,9 +28,10 @@ Result<MessageTemplates> MessageTemplates::read(const std::map<std::string, std:
     const auto given = texts.find(kFiles[i]);
     const auto own = nlohmann::json::parse(kBuiltInTemplates[i], nullptr, false);
     const auto json = given == texts.end() ? own : nlohmann::json::parse(given->second, nullptr, false);
-    if (!json.is_object()) return invalid_data(path + "not a JSON object");
+    if (!json.is_object())
+      return invalid_data(path + "not a JSON object; correct it, or delete the file to use the built-in one");
     for (const auto& [name, text] : json.items()) {
-      if (!text.is_string()) return invalid_data(path + name + " is not a string");
+      if (!text.is_string()) return invalid_data(path + name + " is not a string; write its text in quotes");
       if (!own.contains(name)) return invalid_data(path + name + " is not a line of this file; remove it");
       if (!words.lines_.emplace(name, text.get<std::string>()).second)
         return invalid_data(path + name + " is already defined in another file; remove it");
@@ -39,7 +40,9 @@ Result<MessageTemplates> MessageTemplates::read(const std::map<std::string, std:
         return invalid_data(path + name + ", " + checked.error().message);
     }
     for (const auto& [name, text] : own.items()) {
-      if (!json.contains(name)) return invalid_data(path + "has no line " + name);
+      if (!json.contains(name))
+        return invalid_data(path + "has no line " + name +
+                            "; add it, or delete the file to use the built-in one");
     }
   }
   return words;

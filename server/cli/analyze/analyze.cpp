@@ -386,10 +386,9 @@ void add_analyze(CLI::App& app, int& exit_code) {
       "US dollars per million tokens sent and received, as IN,OUT, to compute the cost (default: the value "
       "of the variable LIVEGS_PRICE)");
   command
-      ->add_option(
-          "--model-deadline", options->endpoint.deadline_s,
-          "Timeout of one question including retries, 1 to 3600 s (default: the value of the variable "
-          "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
+      ->add_option("--model-deadline", options->endpoint.deadline_s,
+                   "Time limit of one question including retries (default: the value of the variable "
+                   "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   command->add_flag("--web-search", options->endpoint.web_search,
@@ -407,7 +406,7 @@ void add_analyze(CLI::App& app, int& exit_code) {
   command->add_flag("--write", options->write, "Save the values next to the assets, as NAME.physics.json");
   CLI::Option* accept = command->add_option(
       "--accept", options->decision.accept,
-      "Apply the proposal that the last --write saved for this OBJECT; no model is called");
+      "Apply the proposal that the last --write saved for this OBJECT; a model is not called");
   CLI::Option* decline = command->add_option("--decline", options->decision.decline,
                                              "Discard the proposal for this OBJECT and keep its values");
   CLI::Option* undo =

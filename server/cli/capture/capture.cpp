@@ -161,7 +161,7 @@ void add_capture(CLI::App& app, int& exit_code) {
   command
       ->add_option("PHOTOS", options->photos,
                    "Folder of photos. Poses are read from transforms.json or a COLMAP model in it; if both "
-                   "are missing, the program colmap finds them")
+                   "are missing, the program colmap computes the poses")
       ->required()
       ->type_name("");
   command

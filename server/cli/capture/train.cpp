@@ -75,7 +75,9 @@ void add_train(CLI::App& app, int& exit_code) {
   command->add_option("--shape-limit", settings.shape.limit, "Largest ratio of axes without a shape loss")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
-  command->add_option("--every", run.every, "Steps between a score, a picture and a checkpoint")
+  command
+      ->add_option("--every", run.every,
+                   "Number of steps after which a score, a picture and a checkpoint are written")
       ->check(CLI::Range(size_t{1}, kMaxTrainSteps))
       ->capture_default_str();
   command->add_option("--seed", settings.seed, "Seed of all random choices")->capture_default_str();

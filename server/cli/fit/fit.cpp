@@ -183,8 +183,8 @@ int run_fit(const FitCommand& command, Job& job) {
   std::error_code error;
   fs::create_directories(command.output, error);
   if (error)
-    return report(
-        {ErrorCode::PermissionDenied, command.output.string() + ": cannot be created: " + error.message()});
+    return report({ErrorCode::PermissionDenied, command.output.string() + ": cannot be created: " +
+                                                    error.message() + "; give another folder with --output"});
   if (auto written = write_result(command, *request, *result, std::move(picture)); !written)
     return report(written.error());
   if (fit_interrupted) job.leave_unmarked();

@@ -45,7 +45,8 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
     const char* raw = zip_get_name(zip.get(), static_cast<zip_uint64_t>(i), 0);
     const std::string name = raw ? raw : "";
     if (!stays_inside(name))
-      return invalid_data(shown + ": \"" + shown_text(name, 80) + "\" leads out of its folder");
+      return invalid_data(shown + ": \"" + shown_text(name, 80) +
+                          "\" leads out of its folder; pack the folder again");
     const fs::path to = folder / name;
     std::error_code failed;
     const bool is_folder = name.ends_with('/');
@@ -56,7 +57,9 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
     if (!fs::path(name).has_parent_path()) top_files = true;
     const std::unique_ptr<zip_file_t, CloseArchive> file(
         zip_fopen_index(zip.get(), static_cast<zip_uint64_t>(i), 0));
-    if (!file) return invalid_data(shown + ": " + shown_text(name, 80) + ": cannot be unpacked");
+    if (!file)
+      return invalid_data(shown + ": " + shown_text(name, 80) +
+                          ": cannot be unpacked; pack the folder again, without a password");
     std::ofstream out(to, std::ios::binary | std::ios::trunc);
     for (;;) {
       const zip_int64_t got = zip_fread(file.get(), piece.data(), piece.size());
@@ -65,11 +68,12 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
       if (got == 0) break;
       total += static_cast<uint64_t>(got);
       if (total > kMaxUnpackedBytes)
-        return Error{ErrorCode::TooLarge, shown + ": has more than 64 GiB of files"};
+        return Error{ErrorCode::TooLarge, shown + ": has more than 64 GiB of files; pack fewer"};
       out.write(piece.data(), got);
     }
     out.flush();
-    if (!out) return Error{ErrorCode::Internal, to.string() + ": cannot be written"};
+    if (!out)
+      return Error{ErrorCode::Internal, to.string() + ": cannot be written; free space or set TMPDIR"};
   }
   if (count <= 0) return invalid_data(shown + ": is empty; pack a folder");
   return top_files || tops.size() != 1 ? folder : folder / *tops.begin();

@@ -25,7 +25,8 @@ int segment(SegmentCommand command, Job& job) {
   request.progress = [&job, steps = size_t{0}]() mutable { job.progress(++steps, 0); };
   if (auto checked = check_segment_folder(request.output); !checked) return report(checked.error());
   if (!request.masks.empty() && command.cameras.empty())
-    return report(invalid_argument("--masks: needs --cameras, the transforms.json of the photos"));
+    return report(invalid_argument(
+        "--masks: needs the cameras of the photos; add --cameras with their transforms.json"));
   if (!command.known.empty()) {
     auto known = read_known_length(command.known);
     if (!known) return report(known.error());

@@ -72,7 +72,8 @@ Result<std::vector<LabelPicture>> read_label_pictures(const fs::path& folder,
   }
   if (pictures.empty())
     return not_found(folder.string() +
-                     ": has no picture NAME.png with the name of a photo in the cameras file");
+                     ": has no picture NAME.png with the name of a photo in the cameras file; name each mask "
+                     "as its photo");
   return pictures;
 }
 
@@ -140,7 +141,7 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
     const size_t count = found->parts.size(), thing = request.known->thing;
     if (thing > count)
       return invalid_argument("--known: " + thing_name(thing) + " is not among the " + std::to_string(count) +
-                              " things that were found");
+                              " things that were found; give part_01 to " + thing_name(count));
     room.scale = request.known->longest_side_m / found->parts[thing - 1].bounds_m.sizes().maxCoeff();
   }
   log_info("segment: borders");

@@ -188,8 +188,8 @@ int run(const SimulateCommand& options) {
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (error)
-    return report(
-        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be created: " + error.message()});
+    return report({ErrorCode::PermissionDenied, options.output.string() + ": cannot be created: " +
+                                                    error.message() + "; give another folder with --output"});
   std::optional<Camera> camera;
   if (!options.camera.empty()) {
     auto read = read_camera_file(options.camera);
@@ -278,14 +278,16 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command
       ->add_option(
           "--elastic-solver", options->solver,
-          "cells; livegs-v1, the paper's baseline; or livegs-v1-steady, the baseline with a stiffness that "
+          "cells; livegs-v1, the LIVE-GS paper's solver; or livegs-v1-steady, the same with a stiffness that "
           "does not depend on the substep")
       ->check(CLI::IsMember(kSolvers))
       ->capture_default_str();
   command->add_option("--physics", options->physics, kPhysicsHelp)
       ->check(CLI::IsMember(kPhysicsChoices))
       ->capture_default_str();
-  command->add_option("--skinning", options->skinning, "lattice; or livegs-v1, the paper's baseline")
+  command
+      ->add_option("--skinning", options->skinning,
+                   "lattice; or livegs-v1, the skinning of the LIVE-GS paper")
       ->check(CLI::IsMember({"lattice", "livegs-v1"}))
       ->capture_default_str();
   command->add_flag("--particles", options->particles, "Write particles.csv");
@@ -300,8 +302,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--seed", options->seed, "Seed of the pieces of fragile objects")
       ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Disable the sleep of bodies at rest");
-  command->add_flag("--offline", options->offline,
-                    "No effect, because simulate calls no language model. Other commands have this option");
+  command->add_flag(
+      "--offline", options->offline,
+      "No effect: simulate does not use a language model. The option exists because other commands "
+      "have it");
   command->add_flag("--drop", options->drop,
                     "Folder of assets: drop the objects onto the floor instead of placing them on it");
   group_options(*command, "Simulation",

@@ -5,7 +5,7 @@
 #include "device/passes/elastic_layout.h"
 
 // The passes of a step of elastic bodies, in their order. The text of a pass is compiled as the shader and as
-// the CPU twin. Buffers, in the order of the bindings, are of the rows of elastic_layout.h. Bodies are
+// the CPU function. Buffers, in the order of the bindings, are of the rows of elastic_layout.h. Bodies are
 // concatenated; the nodes of each fill whole blocks of kElasticBlock, and a node belongs to the body of its
 // block. Rows are trusted: indices outside the buffers are errors of the caller.
 

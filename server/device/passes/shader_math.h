@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
 // The part of GLSL that the bodies of the elastic passes use, for C++. The bodies are compiled twice from one
-// text: as a shader, and as the CPU twin. Literals end in f, and matrices are columns, as in GLSL.
+// text: as a shader, and as the CPU function. Literals end in f, and matrices are columns, as in GLSL.
 
 #ifndef LIVEGS_DEVICE_SHADER_MATH_H
 #define LIVEGS_DEVICE_SHADER_MATH_H

@@ -274,11 +274,13 @@ Result<void> World::place(uint32_t object_id, const Pose& world_from_object,
     return invalid_argument("object " + std::to_string(object_id) + ": " + why);
   };
   WorldObject* object = state_->find(object_id);
-  if (!object || object->fixed()) return fail("is static and cannot be moved");
+  if (!object || object->fixed())
+    return fail("is static and cannot be moved; set its behavior to RIGID or ELASTIC");
   if (auto checked = check_pose(object_id, world_from_object); !checked) return checked;
   const Pose pose = normalized(world_from_object);
   if (RigidObject* rigid = object->rigid()) {
-    if (!rigid->piece_bodies.empty()) return fail("is broken and cannot be moved as a whole");
+    if (!rigid->piece_bodies.empty())
+      return fail("is broken and cannot be moved as a whole; reset the scene first");
     state_->end_contacts_of(object_id);
     RigidBody& body = *rigid->body;
     body.wake();
@@ -311,7 +313,9 @@ void World::clear_force(uint64_t force_id) {
 
 Result<void> World::set_material(uint32_t object_id, const Material& material) {
   WorldObject* object = state_->find(object_id);
-  if (!object) return not_found("object " + std::to_string(object_id) + ": unknown id");
+  if (!object)
+    return not_found("object " + std::to_string(object_id) +
+                     ": unknown id; give the id of an object in the world");
   const Material* present = this->material(object_id);
   if (present->behavior != material.behavior) {
     return invalid_argument("object " + std::to_string(object_id) +
@@ -360,7 +364,8 @@ Result<void> World::release_region(uint32_t object_id, const std::string& region
   WorldObject* object = state_->find(object_id);
   ElasticObject* elastic = object ? object->elastic() : nullptr;
   if (!elastic || !elastic->body->release_region(region)) {
-    return not_found("object " + std::to_string(object_id) + ": no fixed or moved region is named " + region);
+    return not_found("object " + std::to_string(object_id) + ": no fixed or moved region is named " + region +
+                     "; name one of the object");
   }
   object->wake();
   return {};

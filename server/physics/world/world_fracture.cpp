@@ -268,8 +268,9 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
   const std::string name = "object " + std::to_string(object_id);
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
-  if (!object) return not_found(name + ": there is no rigid object with this id");
-  if (object->revision > 0) return invalid_argument(name + ": the object is already broken");
+  if (!object) return not_found(name + ": there is no rigid object with this id; give the id of one");
+  if (object->revision > 0)
+    return invalid_argument(name + ": the object is already broken; reset the scene first");
   if (!(object->material.break_impulse_n_s > 0.0)) {
     return invalid_argument(name + ": break_impulse_n_s is not positive; set it for fragile objects");
   }
@@ -295,7 +296,7 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   const std::string name = "object " + std::to_string(object_id);
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
-  if (!object) return not_found(name + ": there is no rigid object with this id");
+  if (!object) return not_found(name + ": there is no rigid object with this id; give the id of one");
   if (!object->pieces)
     return invalid_argument(
         name + ": there are no pieces yet; make the object fragile, or wait for the cut to finish");
@@ -310,12 +311,12 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   impact.impulse_n_s = direction;
   const double threshold = break_threshold_n_s(object->bonds, impact);
   if (!std::isfinite(threshold))
-    return invalid_argument(name + ": the piece at this point cannot break further");
+    return invalid_argument(name + ": the piece at this point cannot break further; give another point");
   impact.impulse_n_s = kForcedBreakFactor * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
   if (!state_->fracture_body(object_id, *object, index, impact, {}, 0.0, 0.0)) {
-    return invalid_argument(name + ": no bond breaks at this point");
+    return invalid_argument(name + ": no bond breaks at this point; give another point");
   }
   state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
   state_->list_bodies();

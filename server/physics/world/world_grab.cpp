@@ -233,7 +233,7 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
   release_grab(grab_id);
   const std::string name = "object " + std::to_string(object_id);
   const WorldObject* object = state_->find(object_id);
-  if (!object) return not_found("grab: unknown " + name);
+  if (!object) return not_found("grab: " + name + " is unknown; give the id of an object in the world");
   if (object->fixed())
     return invalid_argument("grab: " + name + " is static; only moving objects can be grabbed");
   if (auto checked = check_pose(object_id, world_from_hand); !checked) return checked;

@@ -73,13 +73,15 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
   LIVEGS_CHECK(number_value(event.time_s(), 0, 1e6, field + ".time_s"));
   const auto check_target = [&](const std::string& object, const std::string& name) -> Result<void> {
     if (objects.contains(object)) return {};
-    return missing_field(name + ".object", "no object is called \"" + object + "\"");
+    return missing_field(name + ".object",
+                         "no object is called \"" + object + "\"; name an object of the scene");
   };
   const auto check_hand = [&](const auto& hand, const std::string& name) -> Result<void> {
     LIVEGS_CHECK(check_target(hand.object(), name));
     LIVEGS_CHECK(vector_value(hand.point_m(), Eigen::Vector3d::Zero(), name + ".point_m"));
     if (objects.at(hand.object())->physics().behavior() == v1::Physics::STATIC) {
-      return missing_field(name + ".object", "\"" + hand.object() + "\" is STATIC and cannot be moved");
+      return missing_field(name + ".object",
+                           "\"" + hand.object() + "\" is STATIC and cannot be moved; name a moving object");
     }
     if (hand.path().empty())
       return missing_field(name + ".path", "is missing; name a CSV file with the path of the hand");
@@ -151,10 +153,14 @@ Result<void> check_scene(const v1::Scene& scene) {
   LIVEGS_CHECK(up_value(environment.up(), "environment.up"));
   LIVEGS_CHECK(pose_value(environment.pose(), "environment.pose"));
   if (environment.collide() && environment.asset().empty()) {
-    return missing_field("environment.asset", "is missing, but environment.collide is true");
+    return missing_field(
+        "environment.asset",
+        "is missing, but environment.collide is true; give an asset, or set collide to false");
   }
   if (environment.taken_size() > 0 && environment.labels().empty())
-    return missing_field("environment.labels", "is missing, but environment.taken names things of the room");
+    return missing_field(
+        "environment.labels",
+        "is missing, but environment.taken names things of the room; give the label file, or remove taken");
   for (const uint32_t label : environment.taken()) {
     if (label < 1 || label > kThingMask)
       return invalid_argument("environment.taken: " + std::to_string(label) +

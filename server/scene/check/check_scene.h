@@ -6,13 +6,13 @@
 
 namespace livegs {
 
-// Most substeps per tick that a scene or an object may ask for.
+// Maximum number of substeps per tick of a scene or an object. Larger: ticks may take longer.
 inline constexpr int kMaxSubsteps = 1024;
 
 // Checks a scene file without opening its assets: list lengths, ranges, dangling references and duplicate
-// names. The error names the field. Called by Scene::build and by read_scene_file()
-// (run/read_scene_file.cpp); the latter reports JSON and schema errors itself and puts the file name before
-// every error. The checks of values are in check_scene.cpp, check_object.cpp and values/scene_values.cpp.
+// names. The error begins with the field, and the reader of a file adds the file name. JSON and schema
+// errors are reported by read_scene_file() (run/read_scene_file.cpp). The checks of values are in
+// check_scene.cpp, check_object.cpp and values/scene_values.cpp.
 Result<void> check_scene(const v1::Scene& scene);
 
 }  // namespace livegs

@@ -21,7 +21,9 @@ Result<void> check_joint(const v1::Joint& joint,
   const std::string name = field + "." + parts.kind;
   if (parts.object.empty()) return invalid_argument(name + ".object: is missing; name the object that moves");
   const v1::Object* const object = find(parts.object);
-  if (!object) return invalid_argument(name + ".object: no object is called \"" + parts.object + "\"");
+  if (!object)
+    return invalid_argument(name + ".object: no object is called \"" + parts.object +
+                            "\"; name an object of the scene");
   const v1::Object* const other = parts.other.empty() ? nullptr : find(parts.other);
   if (!parts.other.empty() && !other) {
     return invalid_argument(name + ".other: no object is called \"" + parts.other +

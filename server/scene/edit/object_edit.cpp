@@ -105,7 +105,8 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
     if (!edit.copy_of().empty()) {
       const int original = index_of(scene, edit.copy_of());
       if (original < 0)
-        return not_found("copy_of: \"" + shown_text(edit.copy_of(), 80) + "\" is not in the scene");
+        return not_found("copy_of: \"" + shown_text(edit.copy_of(), 80) +
+                         "\" is not in the scene; name one that is");
       added = scene.objects(original);
       before_edit = added;
       added.clear_locked();
@@ -146,7 +147,7 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
   v1::Object& object = *scene.mutable_objects(index);
   if (object.name().size() > kMaxNameLength)
     return invalid_argument("object \"" + shown_text(object.name(), 80) +
-                            "\": name: is longer than 120 characters");
+                            "\": name: is longer than 120 characters; shorten it");
   for (const std::string& path : {object.asset(), object.points()}) {
     if (!path.empty() && !stays_in_folder(path) &&
         !(before_edit && (path == before_edit->asset() || path == before_edit->points())))
@@ -158,7 +159,8 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
       return invalid_argument("object \"" + object.name() +
                               "\": longest_side_m: only an asset has a scale; edit the shape's size");
     if (!(edit.longest_side_m() >= 1e-4 && edit.longest_side_m() <= 1e4))
-      return invalid_argument("object \"" + object.name() + "\": longest_side_m: must be 1e-4 to 1e4");
+      return invalid_argument("object \"" + object.name() +
+                              "\": longest_side_m: is out of range; give 1e-4 to 1e4 m");
     auto measures = measure(object);
     if (!measures) return measures.error();
     object.set_scale(measures->scale * edit.longest_side_m() / measures->longest_side_m);

@@ -180,7 +180,9 @@ Result<std::string> SceneDocument::save(const std::string& file, bool replace) {
                             " was changed by another program; replace it, or save under another name");
   // Comments and layout of a file that was written by hand are lost in a new version.
   if (exists) fs::copy_file(path, path.string() + ".bak", fs::copy_options::overwrite_existing, error);
-  if (error) return Error{ErrorCode::Unavailable, *name + ".bak: cannot be written: " + error.message()};
+  if (error)
+    return Error{ErrorCode::Unavailable, *name + ".bak: cannot be written: " + error.message() +
+                                             "; make the folder of the scene writable"};
   const auto text = scene_text(scene_);
   if (!text) return text.error();
   if (auto written = write_file_atomically(path, *text); !written) return written.error();

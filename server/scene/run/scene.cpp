@@ -54,8 +54,8 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
   settings.rate_hz = options.rate_hz.value_or(file.has_rate_hz() ? file.rate_hz() : settings.rate_hz);
   settings.substeps = options.substeps.value_or(file.has_substeps() ? file.substeps() : settings.substeps);
   if (const int least = min_substeps(settings.rate_hz); settings.substeps < least) {
-    log_warn("scene: %d substeps per tick at %.3g Hz are too few for contact; %d are used", settings.substeps,
-             settings.rate_hz, least);
+    log_warn("scene: %d substeps per tick at %.3g Hz are too few for contact, so %d are used; raise substeps",
+             settings.substeps, settings.rate_hz, least);
     settings.substeps = least;
   }
   if (file.has_elastic_budget_ms())
@@ -480,8 +480,8 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
   const auto target = [&](const std::string& name) {
     const SceneObject* object = find_in_file(name);
     if (!object)
-      log_warn("event at %.3f s: object \"%s\" was removed; the event is skipped", event.time_s(),
-               name.c_str());
+      log_warn("event at %.3f s: skipped, since object \"%s\" was removed; remove the event too, or undo",
+               event.time_s(), name.c_str());
     return object;
   };
   switch (event.action_case()) {

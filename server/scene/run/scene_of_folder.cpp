@@ -153,7 +153,7 @@ Result<v1::Scene> scene_of_assets(const std::map<std::string, fs::path>& assets,
   }
   if (standing.empty()) {
     return not_found(folder.string() + ": contains no splat assets (" + kAssetEndings +
-                     ") and no *.scene.json");
+                     ") and no *.scene.json; give another folder");
   }
   std::vector<std::string> failures(standing.size());
   parallel_for(standing.size(), 1, [&](size_t begin, size_t end) {
@@ -217,7 +217,7 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
 
 Result<v1::Scene> scene_of_asset(const fs::path& path, bool drop) {
   std::error_code error;
-  if (!fs::exists(path, error)) return not_found(path.string() + ": no such file");
+  if (!fs::exists(path, error)) return not_found(path.string() + ": no such file; check the path");
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   const std::string stem = asset_stem(fs::absolute(path).lexically_normal()).string();
   return scene_of_assets({{stem, path}}, folder, drop, false);

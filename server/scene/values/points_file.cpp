@@ -25,14 +25,15 @@ Result<PointList> read_points_file(const std::filesystem::path& path) {
   const CsvLayout layout{"x,y,z", "x,y,z,vx,vy,vz", kMaxMagnitude, kMaxPointsFileBytes};
   const auto take = [&](size_t, std::span<const double> numbers) -> Result<void> {
     if (list.positions_m.size() == kMaxPoints) {
-      return Error{ErrorCode::TooLarge, name + ": has more than " + std::to_string(kMaxPoints) + " points"};
+      return Error{ErrorCode::TooLarge,
+                   name + ": has more than " + std::to_string(kMaxPoints) + " points; give fewer"};
     }
     list.positions_m.emplace_back(numbers[0], numbers[1], numbers[2]);
     if (numbers.size() == 6) list.velocities_m_s.emplace_back(numbers[3], numbers[4], numbers[5]);
     return {};
   };
   if (auto read = read_csv_lines(path, layout, take); !read) return read.error();
-  if (list.positions_m.empty()) return invalid_data(name + ": contains no points");
+  if (list.positions_m.empty()) return invalid_data(name + ": contains no points; give at least one");
   return list;
 }
 

@@ -99,7 +99,8 @@ Result<std::unique_ptr<ConnectionLimiter>> ConnectionLimiter::listen(const std::
   const std::string name = bracketed ? host.substr(1, host.size() - 2) : host;
   const std::string where = host + ":" + std::to_string(port);
   if (const int failed = ::getaddrinfo(name.c_str(), nullptr, &wanted, &found); failed != 0) {
-    return Error{ErrorCode::Unavailable, "cannot listen on " + where + ": " + ::gai_strerror(failed)};
+    return Error{ErrorCode::Unavailable, "--listen " + where + ": " + ::gai_strerror(failed) +
+                                             "; give a host name or an address of this machine"};
   }
   int why = 0;
   for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {

@@ -73,7 +73,7 @@ Result<std::string> sign_fleet_token(const std::string& key, const v1::FleetToke
         "server: must have 1 to 253 printable characters; use the name of the GameServer or of "
         "--server-name");
   if (token.scope() < v1::VIEW || token.scope() > v1::ADMIN)
-    return invalid_argument("scope: is not one of view, interact, author, admin");
+    return invalid_argument("scope: is not set or unknown; use view, interact, author or admin");
   const std::string payload = token.SerializeAsString();
   const std::string text =
       std::string(kFleetPrefix) +
@@ -89,17 +89,21 @@ Result<v1::FleetToken> verify_fleet_token(const std::string& key, const std::str
                                           std::string_view text, int64_t now_unix_s) {
   const size_t dot = text.find('.');
   if (!is_fleet_token(text) || text.size() > kMaxFleetTokenBytes)
-    return fleet_refusal("is not in the form of one");
+    return fleet_refusal("is not in the form of one; give all of the text that livegs token printed");
   const std::string_view signed_text = text.substr(0, dot);
   if (!equal_in_constant_time(signature_of(key, signed_text), text.substr(dot + 1)))
-    return fleet_refusal("the signature is wrong; the token was altered or signed with another key");
+    return fleet_refusal(
+        "the signature is wrong, as the token was altered or signed with another key; sign one with the file "
+        "of --fleet-key");
   const auto payload = from_base64_url(signed_text.substr(kFleetPrefix.size()));
   v1::FleetToken token;
   if (!payload || !token.ParseFromString(*payload)) return fleet_refusal("has no readable contents");
   if (token.server() != server)
-    return fleet_refusal("is for server " + quoted_name(token.server()) + ", not for " + quoted_name(server));
+    return fleet_refusal("is for server " + quoted_name(token.server()) + ", not for " + quoted_name(server) +
+                         "; sign one for this server with livegs token");
   if (now_unix_s >= token.expires_unix_s())
-    return fleet_refusal("of " + quoted_name(token.name()) + " has expired");
+    return fleet_refusal("of " + quoted_name(token.name()) +
+                         " has expired; sign a new one with livegs token");
   if (token.scope() < v1::VIEW || token.scope() > v1::ADMIN) return fleet_refusal("has no known scope");
   return token;
 }

@@ -72,7 +72,7 @@ Result<v1::Scope> parse_scope(const std::string& name) {
   for (int i = 0; i < 4; ++i) {
     if (name == kScopeNames[i]) return static_cast<v1::Scope>(v1::VIEW + i);
   }
-  return invalid_argument("scope \"" + name + "\": is not one of view, interact, author, admin");
+  return invalid_argument("scope: \"" + name + "\" is unknown; use view, interact, author or admin");
 }
 
 WallClock system_wall_clock() {
@@ -113,7 +113,7 @@ Result<TokenStore::Made> TokenStore::add(const std::string& name, v1::Scope scop
         "name: must have 1 to 64 printable characters; use the name of the user or device");
   }
   if (scope < v1::VIEW || scope > v1::ADMIN)
-    return invalid_argument("scope: is not one of view, interact, author, admin");
+    return invalid_argument("scope: is not set or unknown; use view, interact, author or admin");
   if (days == 0) days = kTokenDays;
   if (!(days > 0 && days <= kMaxTokenDays)) return invalid_argument("days: must be above 0 and at most 3650");
   Made made;

@@ -396,7 +396,7 @@ Result<v1::EditSceneReply> SceneAuthor::returned(const std::string& object) {
   const auto found = std::find_if(objects.begin(), objects.end(),
                                   [&](const v1::Object& one) { return one.name() == object; });
   if (found == objects.end())
-    return not_found("object: \"" + shown_text(object, 80) + "\" is not in the scene");
+    return not_found("object: \"" + shown_text(object, 80) + "\" is not in the scene; name one that is");
   if (found->part() == 0)
     return invalid_argument("object \"" + shown_text(object, 80) +
                             "\": was not taken from the room; delete it instead");
@@ -481,7 +481,8 @@ Result<void> SceneAuthor::carry(const v1::CarryObjectRequest& request) {
     const auto found = std::find_if(objects.begin(), objects.end(),
                                     [&](const v1::Object& one) { return one.name() == request.object(); });
     if (found == objects.end())
-      return not_found("object: \"" + shown_text(request.object(), 80) + "\" is not in the scene");
+      return not_found("object: \"" + shown_text(request.object(), 80) +
+                       "\" is not in the scene; name one that is");
     if (found->locked())
       return invalid_argument("object \"" + found->name() + "\": is locked; unlock it first");
   }

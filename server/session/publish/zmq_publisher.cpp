@@ -31,7 +31,7 @@ Result<std::unique_ptr<ZmqPublisher>> ZmqPublisher::bind(const std::string& addr
                          ? parse_host_port(address.substr(kTcp.size()))
                          : Result<HostPort>(invalid_argument("does not begin with tcp://"));
   if (!where)
-    return invalid_argument("--publish " + address + ": use tcp://127.0.0.1:PORT; " + where.error().message);
+    return invalid_argument("--publish " + address + ": is not tcp://HOST:PORT; use tcp://127.0.0.1:PORT");
   if (!where->loopback) {
     return invalid_argument("--publish " + address +
                             ": is not local, and frames are published without tokens or encryption; use "
@@ -47,7 +47,8 @@ Result<std::unique_ptr<ZmqPublisher>> ZmqPublisher::bind(const std::string& addr
                         (where->port == 0 ? "*" : std::to_string(where->port)));
     socket->address = socket->frames.get(zmq::sockopt::last_endpoint);
   } catch (const zmq::error_t& error) {
-    return Error{ErrorCode::Unavailable, "--publish " + address + ": " + error.what()};
+    return Error{ErrorCode::Unavailable, "--publish " + address + ": " + error.what() +
+                                             "; give another port, or 0 to let the system choose"};
   }
   return std::unique_ptr<ZmqPublisher>(new ZmqPublisher(std::move(socket)));
 }

@@ -174,7 +174,7 @@ SessionRecorder::~SessionRecorder() {
 Result<void> SessionRecorder::start(const std::filesystem::path& path, const RecordingOptions& options) {
   if (path.empty()) return invalid_argument("recording: path is empty; give a file");
   if (path.extension() != ".lvgrec")
-    return invalid_argument(path.string() + ": is a recording; choose a name that ends in .lvgrec");
+    return invalid_argument(path.string() + ": does not end in .lvgrec; choose a name that does");
   // Checked here rather than at the first tick, so that the caller gets the error.
   std::error_code error;
   if (std::filesystem::exists(path, error)) {
@@ -183,15 +183,16 @@ Result<void> SessionRecorder::start(const std::filesystem::path& path, const Rec
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, error)) {
     return invalid_argument(path.string() + ": cannot be created: the server has no folder " +
-                            folder.string());
+                            folder.string() + "; create it, or give another folder");
   }
   if (::access(folder.c_str(), W_OK) != 0) {
     return invalid_argument(path.string() + ": cannot be created: the server may not write to " +
-                            folder.string());
+                            folder.string() + "; give another folder");
   }
   std::lock_guard lock(mutex_);
   if (session_)
-    return invalid_argument("recording: is already in progress; stop it first: " + session_->path().string());
+    return invalid_argument("recording: is already in progress in " + session_->path().string() +
+                            "; stop it with livegs ctl record stop");
   session_ = std::make_unique<Session>(path, options, assets_);
   ++sessions_;
   begins_ = true;
@@ -205,8 +206,9 @@ Result<void> SessionRecorder::start(const std::filesystem::path& path, const Rec
 Result<v1::RecordingStatus> SessionRecorder::stop() {
   std::unique_lock lock(mutex_);
   if (!session_) {
-    return not_found("recording: none is in progress" +
-                     (status_.message().empty() ? "" : "; " + status_.message()));
+    return not_found("recording: none is in progress" + (status_.message().empty()
+                                                             ? "; start one with livegs ctl record start"
+                                                             : "; " + status_.message()));
   }
   ends_ = true;
   changed_.notify_all();

@@ -81,7 +81,9 @@ std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::st
 }
 
 Result<std::string> WebCalls::pair(std::string_view code) {
-  if (!security_) return invalid_argument("code: is not needed; this server requires no token");
+  if (!security_)
+    return invalid_argument(
+        "code: is not needed, as this server requires no token; open its page without a code");
   if (auto used = codes_.use(code); !used) return used.error();
   auto made = security_->tokens().add(kBrowserToken, v1::INTERACT, kTokenDays);
   if (!made) return made.error();

@@ -11,11 +11,12 @@
 
 namespace livegs {
 
-// Bandwidth limits of fetches without a session: one for all of a machine. Any thread.
+// Bandwidth limits of asset fetches outside a session. All fetches from one machine share one limit. Any
+// thread.
 class PeerBudgets {
  public:
-  // The budget of the machine of this peer ("ipv4:ADDRESS:PORT", as gRPC names it), kept while it is in use.
-  // `bytes_s`: its cap if it is new.
+  // Returns the budget of the peer's machine, which is stored while a caller holds it. `peer`:
+  // "ipv4:ADDRESS:PORT", the form of gRPC. `bytes_s`: cap of a new budget, bytes per second; infinity: none.
   std::shared_ptr<SendBudget> of(std::string_view peer, double bytes_s) {
     const std::string machine(peer.substr(0, peer.rfind(':')));
     std::lock_guard lock(mutex_);

@@ -37,14 +37,15 @@ Result<void> check_url(const std::string& url) {
     return invalid_argument("OPENAI_BASE_URL: must begin with http:// or https://");
   }
   if (has_control(url) || url.size() > kMaxUrlLength)
-    return invalid_argument("OPENAI_BASE_URL: not an address");
+    return invalid_argument("OPENAI_BASE_URL: is not an address; give one such as http://localhost:8080/v1");
   const std::size_t host = url.find("://") + 3;
   const std::string authority = url.substr(host, url.find_first_of("/?#", host) - host);
   if (authority.find('@') != std::string::npos) {
     return invalid_argument(
         "OPENAI_BASE_URL: must not contain a user or password; put the key in OPENAI_API_KEY");
   }
-  if (authority.empty()) return invalid_argument("OPENAI_BASE_URL: has no host");
+  if (authority.empty())
+    return invalid_argument("OPENAI_BASE_URL: has no host; give one such as http://localhost:8080/v1");
   if (url.find_first_of("?#") != std::string::npos) {
     return invalid_argument("OPENAI_BASE_URL: must not contain ? or #");
   }
@@ -76,13 +77,14 @@ Result<std::unique_ptr<ModelEndpoint>> open_model_endpoint(EndpointSettings sett
     log_info("model server: the address has no path; %s is used", settings.base_url.c_str());
   }
   if (has_control(settings.api_key.reveal()) || settings.api_key.reveal().size() > kMaxKeyLength) {
-    return invalid_argument("OPENAI_API_KEY: contains a space or a control character");
+    return invalid_argument(
+        "OPENAI_API_KEY: has a space or control character, or is too long; copy the key again");
   }
   if (has_control(settings.model))
-    return invalid_argument("LIVEGS_MODEL: contains a space or a control character");
+    return invalid_argument("LIVEGS_MODEL: contains a space or a control character; copy the name again");
   if (settings.base_url == kOpenAiUrl) {
     if (settings.api_key.empty())
-      return invalid_argument("OPENAI_API_KEY: not set, and api.openai.com needs one");
+      return invalid_argument("OPENAI_API_KEY: is not set, but api.openai.com needs one; set it");
     if (settings.model.empty())
       return invalid_argument("LIVEGS_MODEL: not set; name a model that accepts pictures");
   }

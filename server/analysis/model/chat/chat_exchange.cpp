@@ -230,7 +230,8 @@ Result<Json> ChatConversation::run_answer(std::stop_token stop) {
     if (said.kind != ServerAnswer::Kind::Answered) return said.error;
     const ChatReply& reply = said.reply;
     if (!reply.refusal.empty()) {
-      return unsupported("the model declined: " + transcript_.redact(brief(reply.refusal)));
+      return unsupported("the model declined: " + transcript_.redact(brief(reply.refusal)) +
+                         "; set another LIVEGS_MODEL");
     }
     if (reply.finish_reason == "content_filter") {
       return unsupported("the server's content filter stopped the answer; try other views");

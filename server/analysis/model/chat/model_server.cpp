@@ -61,7 +61,7 @@ Error of_status(int status, const std::string& said, const EndpointSettings& set
       return {ErrorCode::TooLarge,
               "the request is too large for the server" + colon + "; use smaller or fewer views"};
     case 429:
-      return {ErrorCode::Unavailable, "the server limits the request rate" + colon};
+      return {ErrorCode::Unavailable, "the server limits the request rate" + colon + "; try again later"};
     default:
       if (status >= 300 && status < 400) {
         return {ErrorCode::Unavailable,
@@ -83,7 +83,9 @@ Error of_transport(const HttpReply& http, const EndpointSettings& settings) {
     case HttpReply::End::Deadline:
       return {ErrorCode::Unavailable, what + "; increase LIVEGS_MODEL_DEADLINE_S"};
     case HttpReply::End::BadTls:
-      return {ErrorCode::PermissionDenied, what + "; its certificate is not trusted by this machine"};
+      return {
+          ErrorCode::PermissionDenied,
+          what + " (its certificate is not trusted by this machine); install the certificate of its issuer"};
     case HttpReply::End::BadUrl:
       return invalid_argument(what + "; check OPENAI_BASE_URL");
     default:
@@ -201,7 +203,7 @@ ModelServer::Verdict ModelServer::judge(const HttpReply& http) const {
     if (!decoded->has_choice) return verdict.fail(invalid_data("the server sent an answer without choices"));
     const bool silent = decoded->content.empty() && decoded->refusal.empty() && decoded->tool_calls.empty();
     if (silent && decoded->finish_reason != "length" && decoded->finish_reason != "content_filter") {
-      return verdict.fail(invalid_data("the server sent an empty answer"));
+      return verdict.fail(invalid_data("the server sent an empty answer; set another LIVEGS_MODEL"));
     }
     verdict.repeat = false;
     verdict.answer.kind = ServerAnswer::Kind::Answered;
@@ -211,7 +213,8 @@ ModelServer::Verdict ModelServer::judge(const HttpReply& http) const {
   if (status == 200) status = status_of(said);
   if (status == 429 && is_quota(said)) {
     verdict.server = Verdict::Server::Shut;
-    return verdict.fail({ErrorCode::Unavailable, "the account has no more credit: " + brief(said.message)});
+    return verdict.fail({ErrorCode::Unavailable, "the account has no more credit: " + brief(said.message) +
+                                                     "; add credit, or use --offline"});
   }
   verdict.fail(of_status(status, brief(said.message, 300), settings_));
   if (status == 401 || status == 403) {

@@ -239,23 +239,24 @@ TEST(MessageTemplates, MissingOrExtraLineIsAnError) {
   EXPECT_EQ(refusal(whole), "");
   nlohmann::json json = nlohmann::json::parse(whole);
   json.erase("too_wide");
-  EXPECT_EQ(refusal(json.dump()), "has no line too_wide");
+  EXPECT_EQ(refusal(json.dump()), "has no line too_wide; add it, or delete the file to use the built-in one");
   json["too_wide"] = 3;
-  EXPECT_EQ(refusal(json.dump()), "too_wide is not a string");
+  EXPECT_EQ(refusal(json.dump()), "too_wide is not a string; write its text in quotes");
   json["too_wide"] = json["to_wide"] = "x";
   EXPECT_EQ(refusal(json.dump()), "to_wide is not a line of this file; remove it");
-  EXPECT_EQ(refusal("["), "not a JSON object");
+  EXPECT_EQ(refusal("["), "not a JSON object; correct it, or delete the file to use the built-in one");
 }
 
 // Regression: both crashed the program.
 TEST(PromptFolder, MalformedFileIsAnError) {
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   EXPECT_EQ(refusal_of("examples.json", R"({"a": {"facts": "x", "answer": {}}})"),
-            "must be a list of examples");
-  EXPECT_EQ(refusal_of("examples.json", R"([{"facts": "x", "answer": )" + deep + "}]"), "nested too deep");
+            "must be a list of examples; correct it, or delete the file to use the built-in one");
+  EXPECT_EQ(refusal_of("examples.json", R"([{"facts": "x", "answer": )" + deep + "}]"),
+            "nested too deep; correct it, or delete the file to use the built-in one");
   EXPECT_EQ(refusal_of("answer.schema.json",
                        R"({"required": [], "enum": ["{{material_ids}}"], "a": )" + deep + "}"),
-            "nested too deep");
+            "nested too deep; correct it, or delete the file to use the built-in one");
 }
 
 // Regression: these lines were left out, or sent literally, without an error.

@@ -32,7 +32,7 @@ TEST(JointValue, ErrorsNameTheJointTheFieldAndTheRemedy) {
   EXPECT_EQ(joint_refusal(R"({ "ball": {} })"),
             "joints[0].ball.object: is missing; name the object that moves");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "led" } })"),
-            "joints[0].ball.object: no object is called \"led\"");
+            "joints[0].ball.object: no object is called \"led\"; name an object of the scene");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "lid", "other": "box" } })"),
             "joints[0].ball.other: no object is called \"box\"; omit it to attach to the world");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "lid", "other": "lid" } })"),
@@ -69,7 +69,7 @@ TEST(JointValue, GrabPathsAreChecked) {
   EXPECT_EQ(path_refusal("time_s,x,y,z,qw,qx,qy,qz\n0,0,1,0,2,0,0,0\n"),
             "path.csv: line 2: qw,qx,qy,qz is not a unit quaternion");
   EXPECT_EQ(refusal(R"("events": [ { "grab": { "object": "table", "path": "p" } } ])"),
-            "events[0].grab.object: \"table\" is STATIC and cannot be moved");
+            "events[0].grab.object: \"table\" is STATIC and cannot be moved; name a moving object");
   EXPECT_EQ(refusal(R"("events": [ { "grab": { "object": "lid" } } ])"),
             "events[0].grab.path: is missing; name a CSV file with the path of the hand");
   EXPECT_EQ(refusal(R"("events": [ { "pull": { "object": "lid" } } ])"),

@@ -484,7 +484,8 @@ TEST(SessionRecorder, RefusesUnwritablePaths) {
   EXPECT_NE(there.error().message.find("already exists"), std::string::npos);
   const auto film = recorder.start(folder / "film.mp4");
   ASSERT_FALSE(film);
-  EXPECT_NE(film.error().message.find("film.mp4: is a recording"), std::string::npos) << film.error().message;
+  EXPECT_NE(film.error().message.find("film.mp4: does not end in .lvgrec"), std::string::npos)
+      << film.error().message;
   const auto nowhere = recorder.start(folder / "no/such/folder.lvgrec");
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().message.find("has no folder"), std::string::npos);
