@@ -15,6 +15,7 @@
 #include "compute/vulkan_handles.h"
 #include "compute/vulkan_maker.h"
 #include "core/log.h"
+#include "core/sanitizers.h"
 #include "core/user_cache.h"
 
 namespace livegs {
@@ -305,6 +306,7 @@ Result<std::shared_ptr<VulkanDevice>> VulkanDevice::create(const VulkanDeviceOpt
     handles->on_validation_message = [](const std::string& message) { log_warn("%s", message.c_str()); };
   }
   handles->memory_limit = memory_limit(options);
+  [[maybe_unused]] const IgnoredLeaks of_drivers;  // which keep memory until the process ends
   if (auto made = create_instance(*handles, options); !made) return made.error();
   if (auto chosen = choose_physical_device(*handles, options.maker); !chosen) return chosen.error();
   if (auto made = create_device(*handles, options.maker); !made) return made.error();

@@ -19,3 +19,19 @@
 #define LIVEGS_THREAD_SANITIZER 0
 #endif
 #endif
+
+#if LIVEGS_ADDRESS_SANITIZER
+#include <sanitizer/lsan_interface.h>
+#endif
+
+namespace livegs {
+
+// Leaks of memory that the thread allocates during the lifetime of this object are not reported. For calls of
+// libraries that keep memory until the process ends.
+#if LIVEGS_ADDRESS_SANITIZER
+using IgnoredLeaks = __lsan::ScopedDisabler;
+#else
+struct IgnoredLeaks {};
+#endif
+
+}  // namespace livegs
