@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -154,6 +155,18 @@ struct ObjectVersion {
   }
 };
 
+// The code of an S3 error, such as AccessDenied; empty if the body contains none.
+std::string code_of(std::string_view body) {
+  constexpr std::string_view kBegin = "<Code>", kEnd = "</Code>";
+  constexpr size_t kMaxLength = 64;
+  const size_t begin = body.find(kBegin);
+  if (begin == body.npos) return {};
+  const std::string_view rest = body.substr(begin + kBegin.size(), kMaxLength + kEnd.size());
+  const std::string_view code = rest.substr(0, rest.find(kEnd));
+  const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+  return code.size() <= kMaxLength && std::all_of(code.begin(), code.end(), plain) ? std::string(code) : "";
+}
+
 class HttpStore final : public ObjectStore {
  public:
   HttpStore(std::string base, std::string shown, std::optional<AwsKeys> keys, const StoreTimes& times)
@@ -286,7 +299,11 @@ class HttpStore final : public ObjectStore {
       default:
         return {ErrorCode::Unavailable, object + reply.message};
     }
-    const std::string status = "the store answers with status " + std::to_string(reply.status);
+    const std::string code = code_of(reply.body);
+    const std::string status = "the store answers with status " + std::to_string(reply.status) +
+                               (code.empty() ? "" : " (" + code + ")");
+    // S3 ends a connection that sends too slowly with status 400.
+    if (code == "RequestTimeout") return {ErrorCode::Unavailable, object + status};
     switch (reply.status) {
       case 404:
       case 410:

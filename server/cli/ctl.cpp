@@ -299,11 +299,6 @@ void add_ctl(CLI::App& app, int& exit_code) {
   group_options(
       *ctl, "Server",
       {{"--server", "HOST:PORT"}, {"--state-dir", "FOLDER"}, {"--pair", "CODE"}, {"--token-file", "FILE"}});
-  ctl->footer(
-      "Examples:\n"
-      "  livegs ctl status                                          # of the server on this machine\n"
-      "  livegs ctl tokens add headset --scope interact > headset.token\n"
-      "  livegs ctl kick 3fa9 --reason \"maintenance at noon\"");
   const auto add = [&, options](CLI::App* to, const char* name, const char* about, auto run) {
     auto* command = to->add_subcommand(name, about);
     command->fallthrough();
@@ -396,6 +391,12 @@ void add_ctl(CLI::App& app, int& exit_code) {
       ->add_option("ID", options->token_id,
                    "Token id as listed by `tokens list`, or its first digits, at least four")
       ->required();
+  // After the commands of ctl, which would show it too.
+  ctl->footer(
+      "Examples:\n"
+      "  livegs ctl status                                          # of the server on this machine\n"
+      "  livegs ctl tokens add headset --scope interact > headset.token\n"
+      "  livegs ctl kick 3fa9 --reason \"maintenance at noon\"");
 }
 
 }  // namespace livegs

@@ -185,6 +185,25 @@ TEST(ObjectStore, RepeatsWhatMayPassAndReportsWhatDoesNot) {
     EXPECT_EQ(asked > 1, code == 503) << code;
     mock.set_fault({});
   }
+  const auto with_code = [](int code, const std::string& name) {
+    Reply reply = status(code);
+    reply.body = "<?xml version=\"1.0\"?><Error><Code>" + name + "</Code><Message>m</Message></Error>";
+    return reply;
+  };
+  mock.set_fault([&](const SeenRequest&, int index) -> std::optional<Reply> {
+    if (index >= 2) return std::nullopt;
+    return with_code(400, "RequestTimeout");
+  });
+  EXPECT_EQ(text_of(store->get("one").value()), "bytes");
+  const std::vector<std::pair<std::string, std::string>> shown{
+      {"AccessDenied", "status 403 (AccessDenied); "},
+      {"a b\n<>", "status 403; "},
+      {std::string(1000, 'x'), "status 403; "}};
+  for (const auto& [name, text] : shown) {
+    mock.set_fault([&](const SeenRequest&, int) { return with_code(403, name); });
+    const auto refused = store->get("one");
+    EXPECT_NE(refused.error().message.find(text), std::string::npos) << refused.error().message;
+  }
   const auto nowhere = opened("http://127.0.0.1:1")->get("one");
   EXPECT_EQ(nowhere.error().code, ErrorCode::Unavailable);
 }
