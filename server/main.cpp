@@ -6,12 +6,15 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "analysis/model/endpoint_choice.h"
@@ -217,6 +220,26 @@ livegs::Result<std::unique_ptr<livegs::FleetMember>> join_fleet(const Options& o
   return fleet;
 }
 
+// Fetches the scene of a store. After a signal its reason is in `stopped`, and the result is an error.
+livegs::Result<livegs::StoredScene> fetch_scene(const Options& options, const sigset_t& signals,
+                                                std::string& stopped) {
+  using namespace livegs;
+  std::stop_source stop;
+  auto fetched = std::async(std::launch::async, [&] {
+    return StoredScene::fetch(options.scene, options.asset_store, stop.get_token());
+  });
+  stopped = wait_for_signal(
+      signals, [&] { return fetched.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  if (!stopped.empty()) stop.request_stop();
+  return fetched.get();
+}
+
+// Exit code of a server that a signal ends before it has a scene.
+int end_of_start(const std::string& reason) {
+  livegs::log_info("server: shutting down: %s", reason.c_str());
+  return 0;
+}
+
 // Empty if `text` is an address that clients may fetch from, else the reason.
 std::string check_store(const std::string& text) {
   const bool good = (text.starts_with("http://") || text.starts_with("https://")) &&
@@ -262,10 +285,7 @@ int run(const Options& options) {
   std::string stopped;
   const auto fleet = join_fleet(options, security->get(), signals, stopped);
   if (!fleet) return report(fleet.error());
-  if (!stopped.empty()) {
-    log_info("server: shutting down: %s", stopped.c_str());
-    return 0;
-  }
+  if (!stopped.empty()) return end_of_start(stopped);
 
   const int64_t begun_ns = now_ns();
   SceneOptions scene_options;
@@ -284,7 +304,8 @@ int run(const Options& options) {
           "store: clients fetch assets from this server; give --client-store URL to have them fetched there");
     else
       (*server)->allow_store(place);
-    auto fetched = StoredScene::fetch(options.scene, options.asset_store);
+    auto fetched = fetch_scene(options, signals, stopped);
+    if (!stopped.empty()) return end_of_start(stopped);
     if (!fetched) return report(fetched.error());
     stored.emplace(*std::move(fetched));
     scene_path = stored->path();

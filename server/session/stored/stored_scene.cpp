@@ -46,8 +46,9 @@ bool is_inside(const std::string& path) {
 }
 
 // `hash`: of the list.
-Result<v1::StoredScene> read_list(ObjectStore& store, const std::string& name, std::string& hash) {
-  auto bytes = store.get(name, kMaxListBytes);
+Result<v1::StoredScene> read_list(ObjectStore& store, const std::string& name, std::string& hash,
+                                  std::stop_token stop) {
+  auto bytes = store.get(name, kMaxListBytes, stop);
   if (!bytes)
     return Error{bytes.error().code, bytes.error().message + (bytes.error().code == ErrorCode::NotFound
                                                                   ? "; store the scene with livegs publish"
@@ -83,8 +84,9 @@ Result<void> check_paths(const fs::path& path, const std::string& shown) {
                       "\" is outside the folder of the scene; publish the scene again");
 }
 
-Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, const fs::path& folder) {
-  auto bytes = store.get_by_hash(file.sha256());
+Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, const fs::path& folder,
+                        std::stop_token stop) {
+  auto bytes = store.get_by_hash(file.sha256(), kMaxObjectBytes, stop);
   if (!bytes) return Error{bytes.error().code, file.path() + ": " + bytes.error().message};
   const fs::path path = folder / file.path();
   std::error_code failed;
@@ -113,7 +115,8 @@ Result<bool> StoredScene::is_current(ObjectStore& store) const {
   return *hash == list_hash_;
 }
 
-Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::string& place) {
+Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::string& place,
+                                       std::stop_token stop) {
   const bool remote = is_store_url(scene);
   const auto at = remote ? open_object(scene) : Result<ObjectPlace>(ObjectPlace{});
   if (!at) return at.error();
@@ -132,7 +135,7 @@ Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::stri
   ObjectStore& lists = remote ? *at->store : *store;
   StoredScene fetched;
   fetched.list_name_ = without_scene_ending(name) + ".files.json";
-  const auto list = read_list(lists, fetched.list_name_, fetched.list_hash_);
+  const auto list = read_list(lists, fetched.list_name_, fetched.list_hash_, stop);
   if (!list) return list.error();
   for (const auto& asset : list->assets()) fetched.assets_.push_back({asset.hash(), asset.web_sha256()});
   fs::path folder;
@@ -154,7 +157,7 @@ Result<StoredScene> StoredScene::fetch(const std::string& scene, const std::stri
     std::error_code ignored;
     if (!remote && (fs::exists(folder / file.path(), ignored) || has_ending(file.path(), ".scene.json")))
       continue;
-    if (auto done = fetch_file(*store, file, folder); !done) return done.error();
+    if (auto done = fetch_file(*store, file, folder, stop); !done) return done.error();
     ++count;
     bytes += file.bytes();
   }

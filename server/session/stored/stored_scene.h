@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,10 @@ class StoredScene {
  public:
   // `scene`: the address of a published NAME.scene.json, whose files are fetched into a temporary folder; or
   // a local path, whose missing files are fetched to their places. `place`: the store of the objects; empty:
-  // the folder of the address. Errors name the object of the store, or the file.
-  static Result<StoredScene> fetch(const std::string& scene, const std::string& place);
+  // the folder of the address. Errors name the object of the store, or the file. A request to stop ends the
+  // fetch with an error and removes the temporary folder.
+  static Result<StoredScene> fetch(const std::string& scene, const std::string& place,
+                                   std::stop_token stop = {});
   StoredScene(StoredScene&& other) noexcept;
   StoredScene& operator=(StoredScene&&) = delete;
   ~StoredScene();

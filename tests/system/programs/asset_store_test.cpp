@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <atomic>
 #include <set>
 #include <span>
 
@@ -61,6 +62,30 @@ class AssetStores : public Programs {
   std::string scene_;
   ObjectStoreMock mock_;
 };
+
+TEST_F(AssetStores, SignalEndsAFetchAndLeavesNoFiles) {
+  publish();
+  std::atomic<bool> asked{false};
+  mock_.set_fault([&](const SeenRequest& request, int) -> std::optional<Reply> {
+    if (request.path.ends_with(".json")) return std::nullopt;
+    asked = true;
+    Reply silent;
+    silent.body = "bytes";
+    silent.hang = true;
+    silent.cut_after = 1;
+    return silent;
+  });
+  std::filesystem::create_directories(folder_ / "temporary");
+  auto words = stored_server(mock_.url() + "/hall.scene.json");
+  words.insert(words.begin(), {"/usr/bin/env", "TMPDIR=" + (folder_ / "temporary").string()});
+  Program server(words);
+  ASSERT_TRUE(wait_until([&] { return asked.load(); }));
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_NE(server.err().find("server: shutting down: stopped by a signal"), std::string::npos)
+      << server.err();
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "temporary"));
+}
 
 TEST_F(AssetStores, AServerStartsFromTheStoreAndClientsFetchThere) {
   publish();
