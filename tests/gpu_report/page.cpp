@@ -197,7 +197,7 @@ std::string times_csv(const Report& report) {
     for (const Span* span : {&row.skin, &row.skin_rigid, &row.upload, &row.project, &row.sort, &row.draw})
       text += format_text(",%.2f,%.2f", span->median_ms, span->max_ms);
     for (const PassRow& pass : kPasses) text += format_text(",%.3f", row.device.*pass.ms);
-    text += format_text(",%.1f,%.0f,%.2f,%.2f,%d,%llu,%llu,%llu,%llu,%.1f", row.memory_bytes_a_kernel,
+    text += format_text(",%.1f,%.0f,%.2f,%.2f,%d,%llu,%llu,%llu,%llu,%.3g", row.memory_bytes_a_kernel,
                         kGoalBytesAKernel, row.frame.median_ms, row.frame.max_ms, row.whole.eyes_a_draw,
                         static_cast<unsigned long long>(row.whole.submissions),
                         static_cast<unsigned long long>(row.whole.dispatches),
