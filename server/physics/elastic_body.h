@@ -183,7 +183,7 @@ class ElasticBody {
   // caller then takes at least that many steps. Each is:
   //
   // - begin_step: everything except contact
-  // - prepare_contact_step, one body after the other
+  // - prepare_contact_step, on several threads: it changes only its own body
   // - list_contacts: contact with moving bodies; bodies may run on different threads
   // - list_other_contacts: the contacts that depend on those which other bodies listed; likewise
   // - separate, one body after the other
@@ -191,7 +191,7 @@ class ElasticBody {
   // - end_step: contact with colliders, then the update of positions and velocities
   virtual int begin_substep(const SubstepContext& context) = 0;
   virtual void begin_step(const SubstepPart& part, const SubstepContext& context) = 0;
-  // Whatever other bodies ask this one for while they list their contacts is ready afterwards.
+  // Afterwards other bodies may read the surface of this one while they list their contacts.
   virtual void prepare_contact_step(double step_s) { (void)step_s; }
   virtual void list_contacts(const SubstepPart& part, const SubstepContext& context,
                              std::vector<ContactConstraint>& rows) = 0;
