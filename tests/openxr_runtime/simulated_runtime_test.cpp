@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <set>
 
+#include "core/sanitizers.h"
 #include "openxr_runtime/record_files.h"
 #include "scratch_folder.h"
 #include "system/support/program.h"
@@ -24,6 +25,8 @@ T of(XrStructureType type) {
 class HelloXr : public ::testing::Test {
  protected:
   void SetUp() override {
+    if (LIVEGS_ADDRESS_SANITIZER || LIVEGS_THREAD_SANITIZER)
+      GTEST_SKIP() << "hello_xr: cannot load a runtime with sanitizers";
     if (!std::filesystem::exists("/usr/bin/hello_xr"))
       GTEST_SKIP() << "hello_xr: not installed; install libopenxr-utils";
   }

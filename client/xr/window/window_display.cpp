@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/assert.h"
+#include "core/sanitizers.h"
 #include "xr/window/draw_panels.h"
 #include "xr/window/window_events.h"
 #include "xr/window/window_style.h"
@@ -123,6 +124,7 @@ GlfwWindowDisplay::~GlfwWindowDisplay() {
 
 Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int height, double ui_scale,
                                        bool scaled_size) {
+  [[maybe_unused]] const IgnoredLeaks of_drivers;  // which keep memory until the process ends
   if (!glfwInit()) {
     return Error{ErrorCode::Unavailable, "window: no display is available (" + glfw_error() +
                                              "); set DISPLAY, or use --display offscreen"};
@@ -373,6 +375,7 @@ void GlfwWindowDisplay::read_back(Image& image) const {
 }  // namespace
 
 bool WindowDisplay::is_possible() {
+  [[maybe_unused]] const IgnoredLeaks of_drivers;
   if (!glfwInit()) return false;
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   GLFWwindow* window = glfwCreateWindow(16, 16, "", nullptr, nullptr);
