@@ -220,7 +220,7 @@ livegs::Result<std::unique_ptr<livegs::FleetMember>> join_fleet(const Options& o
   return fleet;
 }
 
-// Fetches the scene of a store. After a signal its reason is in `stopped`, and the result is an error.
+// Fetches the scene of a store. After a signal its reason is in `stopped`, and the result is not used.
 livegs::Result<livegs::StoredScene> fetch_scene(const Options& options, const sigset_t& signals,
                                                 std::string& stopped) {
   using namespace livegs;
@@ -305,7 +305,10 @@ int run(const Options& options) {
     else
       (*server)->allow_store(place);
     auto fetched = fetch_scene(options, signals, stopped);
-    if (!stopped.empty()) return end_of_start(stopped);
+    if (!stopped.empty()) {
+      if (*fleet) (void)(*fleet)->leave();
+      return end_of_start(stopped);
+    }
     if (!fetched) return report(fetched.error());
     stored.emplace(*std::move(fetched));
     scene_path = stored->path();

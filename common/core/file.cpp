@@ -23,8 +23,8 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.fd < 0) {
     if (errno == ENOENT) return not_found(path.string() + ": no such file; check the path");
-    return Error{ErrorCode::PermissionDenied,
-                 path.string() + ": cannot be opened: " + std::strerror(errno) + "; check its permissions"};
+    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be opened: " + std::strerror(errno) +
+                                                  "; check the path and its permissions"};
   }
   struct stat status {};
   if (::fstat(file.fd, &status) != 0 || !S_ISREG(status.st_mode)) {

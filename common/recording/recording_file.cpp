@@ -44,8 +44,9 @@ Result<RecordingFile> RecordingFile::create(const std::filesystem::path& path) {
 Result<RecordingFile> RecordingFile::open(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
-    return Error{errno == ENOENT ? ErrorCode::NotFound : ErrorCode::InvalidArgument,
-                 path.string() + ": cannot be read: " + std::strerror(errno) + "; check the path"};
+    return Error{
+        errno == ENOENT ? ErrorCode::NotFound : ErrorCode::InvalidArgument,
+        path.string() + ": cannot be read: " + std::strerror(errno) + "; check the path and its permissions"};
   }
   struct stat about {};
   RecordingFile file(path, descriptor);
@@ -86,7 +87,7 @@ Result<void> RecordingFile::read(uint64_t offset, std::span<std::byte> bytes) co
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)
       return Error{ErrorCode::Internal,
-                   path_.string() + ": cannot be read: " + std::strerror(errno) + "; check the path"};
+                   path_.string() + ": cannot be read: " + std::strerror(errno) + "; restore it from a copy"};
     if (got == 0) return invalid_data(path_.string() + ": is truncated");
     offset += static_cast<uint64_t>(got);
     bytes = bytes.subspan(static_cast<size_t>(got));

@@ -162,9 +162,11 @@ std::string code_of(std::string_view body) {
   const size_t begin = body.find(kBegin);
   if (begin == body.npos) return {};
   const std::string_view rest = body.substr(begin + kBegin.size(), kMaxLength + kEnd.size());
-  const std::string_view code = rest.substr(0, rest.find(kEnd));
+  const size_t end = rest.find(kEnd);
+  if (end == rest.npos) return {};
+  const std::string_view code = rest.substr(0, end);
   const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
-  return code.size() <= kMaxLength && std::all_of(code.begin(), code.end(), plain) ? std::string(code) : "";
+  return std::all_of(code.begin(), code.end(), plain) ? std::string(code) : "";
 }
 
 class HttpStore final : public ObjectStore {
@@ -304,6 +306,9 @@ class HttpStore final : public ObjectStore {
                                (code.empty() ? "" : " (" + code + ")");
     // S3 ends a connection that sends too slowly with status 400.
     if (code == "RequestTimeout") return {ErrorCode::Unavailable, object + status};
+    if (code == "RequestTimeTooSkewed")
+      return {ErrorCode::PermissionDenied, object + status + "; set the clock of this machine"};
+    if (code == "NoSuchBucket") return invalid_argument(object + status + "; check the name of the bucket");
     switch (reply.status) {
       case 404:
       case 410:
@@ -321,7 +326,7 @@ class HttpStore final : public ObjectStore {
           return invalid_argument(object + status + ", a redirect; give the address that it leads to");
         if (reply.status == 200 || reply.status == 206)
           return {ErrorCode::Unavailable, object + "the reply is incomplete"};
-        return invalid_argument(object + status);
+        return invalid_argument(object + status + "; check the address and the keys");
     }
   }
 

@@ -45,10 +45,10 @@ std::string shown_url(std::string_view text);
 //   AWS_SESSION_TOKEN. The region is AWS_REGION, else AWS_DEFAULT_REGION, else us-east-1. AWS_ENDPOINT_URL
 //   selects a store other than Amazon's. Requests without keys are not signed.
 //
-// A request with a temporary failure (no connection, cut or stalled transfer, status 408, 429 or 5xx) is
-// repeated until no byte has arrived for StoreTimes::patience_s. A read continues after its last byte. It
-// returns the bytes of one version of an object (ETag, Last-Modified, size). Errors contain the object and
-// the cause, but not a key:
+// A request with a temporary failure (no connection, cut or stalled transfer, status 408, 429 or 5xx,
+// RequestTimeout of S3) is repeated until no byte has arrived for StoreTimes::patience_s. A read continues
+// after its last byte. It returns the bytes of one version of an object (ETag, Last-Modified, size). Errors
+// contain the object and the cause, but not a key:
 // - Unavailable: a temporary failure lasted for StoreTimes::patience_s, the object changed more than three
 //   times during a read, or `stop` was requested.
 // - NotFound: the object does not exist (404, 410).

@@ -160,8 +160,8 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
       break;
     } else if (seconds_from_ns(now - received.last_ns) >= silence_s) {
       ended = Error{ErrorCode::Unavailable,
-                    format_text("--subscribe %s: connection lost: nothing was published for %.1f s; restart "
-                                "the server with --publish",
+                    format_text("--subscribe %s: connection lost: nothing was published for %.1f s; check "
+                                "that the server runs with --publish",
                                 published.c_str(), seconds_from_ns(now - received.last_ns))};
     }
     if (ended) break;

@@ -67,7 +67,7 @@ class LiveScene {
   // The stream. After a failed read, only a keyframe can be read.
   void begin_stream() { reader_ = StreamReader(); }
   bool needs_keyframe() const { return reader_.needs_keyframe(); }
-  // Decoded by FrameReader (stream/received/frame_reader.h).
+  // Decoded by StreamReader (wire/frame_stream.h).
   Result<void> take_frame(std::span<const std::byte> bytes, int64_t received_ns);
   // Discards all frames, after a restart of the server or a seek in a recording.
   void restart() { playout_.reset(); }

@@ -94,7 +94,7 @@ class Session {
       reply = await fetch(`/livegs.v1.LiveGs/${method}`, { method: 'POST', body: encode(asked, request), headers: this.headers(), signal: AbortSignal.timeout(timeout_ms) });
       bytes = new Uint8Array(await reply.arrayBuffer());
     } catch (error) {
-      throw new CallError(error.name === 'TimeoutError' ? status.deadline : status.unavailable, 'the server does not answer; check that it is running');
+      throw new CallError(error.name === 'TimeoutError' ? status.deadline : status.unavailable, 'the server does not answer; try again later');
     }
     if (reply.ok) return decode(answered, bytes);
     const codes = { 400: 3, 401: status.unauthenticated, 403: status.permissionDenied, 404: 5, 412: status.precondition, 503: status.unavailable };
@@ -111,7 +111,7 @@ class Session {
         if (!this.core) {
           const bytes = await fetch(this.wasm).then((reply) => (reply.ok ? reply.arrayBuffer() : null)).catch(() => null);
           if (!bytes) {
-            this.tell('connecting', 'the server does not answer; check that it is running');
+            this.tell('connecting', 'the server does not answer; try again later');
             await sleep(kRetryPause);
             continue;
           }

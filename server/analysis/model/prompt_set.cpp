@@ -145,7 +145,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   std::string everything;
   std::error_code failed;
   if (!folder.empty() && !std::filesystem::is_directory(folder, failed)) {
-    return not_found(folder.string() + ": prompt folder not found");
+    return not_found(folder.string() + ": prompt folder not found; check --prompts");
   }
   const auto wrong = [&](const char* file, const std::string& what) {
     return invalid_data((folder / file).string() + ": " + what +

@@ -146,7 +146,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
       summary.slowest_views_s = std::max(summary.slowest_views_s, one.views_s);
       if (!answered && summary.failure.empty() && !one.cancelled) {
         summary.failure = one.judgement.message;
-        if (endpoint) log_warn("analysis: %s; offline estimates are used", summary.failure.c_str());
+        if (endpoint) log_warn("analysis: offline estimates are used: %s", summary.failure.c_str());
       }
     }
     update(one);

@@ -141,7 +141,7 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
     const size_t count = found->parts.size(), thing = request.known->thing;
     if (thing > count)
       return invalid_argument("--known: " + thing_name(thing) + " is not among the " + std::to_string(count) +
-                              " things that were found; give part_01 to " + thing_name(count));
+                              " things that were found; give one of the parts that livegs segment wrote");
     room.scale = request.known->longest_side_m / found->parts[thing - 1].bounds_m.sizes().maxCoeff();
   }
   log_info("segment: borders");

@@ -274,8 +274,8 @@ Result<void> World::place(uint32_t object_id, const Pose& world_from_object,
     return invalid_argument("object " + std::to_string(object_id) + ": " + why);
   };
   WorldObject* object = state_->find(object_id);
-  if (!object || object->fixed())
-    return fail("is static and cannot be moved; set its behavior to RIGID or ELASTIC");
+  if (!object) return fail("unknown id; give the id of an object in the world");
+  if (object->fixed()) return fail("is static and cannot be moved; set its behavior to RIGID or ELASTIC");
   if (auto checked = check_pose(object_id, world_from_object); !checked) return checked;
   const Pose pose = normalized(world_from_object);
   if (RigidObject* rigid = object->rigid()) {

@@ -99,7 +99,8 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     elastic_objects[i]->near_bodies.clear();
     elastic_objects[i]->near_elastic.clear();
   }
-  // Pairs whose boxes are near, by elastic body; whether their surfaces are is decided on several threads.
+  // Pairs whose boxes are near, by elastic body; whether their surfaces are is decided on several threads. A
+  // frozen body counts with its reach, also if another pair makes it elastic in this substep.
   std::vector<NearPair> pairs;
   for (uint32_t i = 0; i < count; ++i) {
     ElasticObject& elastic = *elastic_objects[i];
@@ -136,8 +137,7 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     has_pair[pair.elastic] = has_pair[pair.rigid ? pair.elastic : pair.other] = 1;
   parallel_for(count, kBodiesPerBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      // The first call after a step stores the bounds of the parts.
-      if (has_pair[i]) elastic_objects[i]->body->surface_bounds_m(Eigen::AlignedBox3d());
+      if (has_pair[i]) elastic_objects[i]->body->prepare_bounds();
     }
   });
   parallel_for(pairs.size(), kPairsPerBlock, [&](size_t begin, size_t end) {

@@ -84,9 +84,8 @@ Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_v
   placed.body_points_m = body_points(*asset, placed.object_from_asset);
   const double longest = longest_side(placed.body_points_m);
   if (!(longest > 0))
-    return invalid_data(
-        std::string(field) + ".asset: " + path.filename().string() +
-        ": no kernel is opaque enough to form a body; raise the opacities, or use it as environment.asset");
+    return invalid_data(std::string(field) + ".asset: " + path.filename().string() +
+                        ": no kernel is opaque enough to form a body; raise the opacities");
   if (scale) {
     placed.object_from_asset.scale = *scale;
     placed.scale_known = true;

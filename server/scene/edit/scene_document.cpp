@@ -61,7 +61,7 @@ Result<SceneDocument> SceneDocument::open(SceneText text) {
   if (!fs::exists(journal, ignored)) return document;
   auto kept = read_scene_file(journal);
   if (!kept) {
-    log_warn("scene: the changes of an earlier run cannot be read: %s; delete %s to discard them",
+    log_warn("scene: the changes of an earlier run cannot be read (%s); delete %s to discard them",
              kept.error().message.c_str(), journal.c_str());
     return document;
   }
@@ -182,7 +182,7 @@ Result<std::string> SceneDocument::save(const std::string& file, bool replace) {
   if (exists) fs::copy_file(path, path.string() + ".bak", fs::copy_options::overwrite_existing, error);
   if (error)
     return Error{ErrorCode::Unavailable, *name + ".bak: cannot be written: " + error.message() +
-                                             "; make the folder of the scene writable"};
+                                             "; make the folder of the scene writable on the server"};
   const auto text = scene_text(scene_);
   if (!text) return text.error();
   if (auto written = write_file_atomically(path, *text); !written) return written.error();

@@ -116,10 +116,9 @@ Result<std::unique_ptr<ConnectionLimiter>> ConnectionLimiter::listen(const std::
   ::freeaddrinfo(found);
   if (why == EADDRINUSE || door->listeners_.empty()) {
     return Error{ErrorCode::Unavailable,
-                 "cannot listen on " + where + ": " +
-                     (why == EADDRINUSE ? "the port is in use; stop the other server or give another port"
-                                        : std::string(std::strerror(why)) + "; give another address") +
-                     " with --listen HOST:PORT"};
+                 "--listen " + where + ": " +
+                     (why == EADDRINUSE ? "the port is in use; stop the other server, or give another port"
+                                        : std::string(std::strerror(why)) + "; give another address")};
   }
   door->stop_ = ::eventfd(0, EFD_CLOEXEC);
   return door;

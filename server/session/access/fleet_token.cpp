@@ -97,14 +97,16 @@ Result<v1::FleetToken> verify_fleet_token(const std::string& key, const std::str
         "of --fleet-key");
   const auto payload = from_base64_url(signed_text.substr(kFleetPrefix.size()));
   v1::FleetToken token;
-  if (!payload || !token.ParseFromString(*payload)) return fleet_refusal("has no readable contents");
+  if (!payload || !token.ParseFromString(*payload))
+    return fleet_refusal("has no readable contents; sign a new one with livegs token");
   if (token.server() != server)
     return fleet_refusal("is for server " + quoted_name(token.server()) + ", not for " + quoted_name(server) +
                          "; sign one for this server with livegs token");
   if (now_unix_s >= token.expires_unix_s())
     return fleet_refusal("of " + quoted_name(token.name()) +
                          " has expired; sign a new one with livegs token");
-  if (token.scope() < v1::VIEW || token.scope() > v1::ADMIN) return fleet_refusal("has no known scope");
+  if (token.scope() < v1::VIEW || token.scope() > v1::ADMIN)
+    return fleet_refusal("has no known scope; sign a new one with livegs token");
   return token;
 }
 

@@ -144,7 +144,7 @@ Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& h
     if (!held.insert(name).second) continue;
     const auto bytes = read_file(fs::path(source.folder()) / name);
     if (!bytes) {
-      log_warn("recording: %s; the file is not embedded and must be available for --verify",
+      log_warn("recording: a file is not embedded, and --verify will need it: %s",
                bytes.error().message.c_str());
       continue;
     }

@@ -195,6 +195,11 @@ TEST(ObjectStore, RepeatsWhatMayPassAndReportsWhatDoesNot) {
     return with_code(400, "RequestTimeout");
   });
   EXPECT_EQ(text_of(store->get("one").value()), "bytes");
+  mock.set_fault([&](const SeenRequest&, int index) -> std::optional<Reply> {
+    if (index >= 2) return std::nullopt;
+    return with_code(400, "RequestTimeout");
+  });
+  EXPECT_TRUE(store->put("two", std::as_bytes(std::span("bytes"))));
   const std::vector<std::pair<std::string, std::string>> shown{
       {"AccessDenied", "status 403 (AccessDenied); "},
       {"a b\n<>", "status 403; "},

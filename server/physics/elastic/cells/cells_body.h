@@ -79,6 +79,7 @@ class CellsBody final : public ElasticBody, public FlatBody {
   bool takes_springs() const override { return true; }
   double reach_m() const override { return reach_m_; }
   Eigen::AlignedBox3d bounds_m() const override;
+  void prepare_bounds() override;
   Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const override;
   void prepare_for_contact() override { become_elastic(); }
   void surface_elements(const Eigen::AlignedBox3d& within,

@@ -157,6 +157,10 @@ void CellsBody::list_boxes() const {
   }
 }
 
+void CellsBody::prepare_bounds() {
+  if (!surface_.boxes_known && !frozen()) list_boxes();
+}
+
 AlignedBox3d CellsBody::surface_bounds_m(const AlignedBox3d& within) const {
   if (frozen()) return ElasticBody::surface_bounds_m(within);
   if (!surface_.boxes_known) list_boxes();
@@ -611,7 +615,7 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
 void CellsBody::prepare_contact_step(double step_s) {
   if (!participant_) participant_ = std::make_unique<Participant>(*this);
   static_cast<Participant&>(*participant_).step_s = step_.in_step ? step_of(step_s) : step_s;
-  if (!surface_.boxes_known && !frozen()) list_boxes();
+  prepare_bounds();
   const Vector3d velocity_m_s = ledger_.motion.velocity_m_s();
   const double node_speed = node_speed_m_s();
   bodies_.jump_m = bodies_.step_s * ((velocity_m_s - bodies_.velocity_m_s).norm() +
