@@ -26,6 +26,7 @@
 #include "core/text/format_text.h"
 #include "core/text/help_format.h"
 #include "device/choose_physics.h"
+#include "ending_signals.h"
 #include "scene/build/build_cache.h"
 #include "scene/scene.h"
 #include "service_notice.h"
@@ -165,28 +166,6 @@ void announce(const Options& options, livegs::GrpcServer& server, const livegs::
                link.fingerprint().c_str());
 }
 
-// Blocks the signals that end the server, for all threads that are started later.
-sigset_t block_ending_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  signal(SIGPIPE, SIG_IGN);
-  signal(SIGXFSZ, SIG_IGN);  // a file over its size limit is a write error, like a full disk
-  return signals;
-}
-
-// Waits for a signal, or until `enough` returns true. Returns the reason; empty without a signal.
-std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>& enough) {
-  constexpr timespec kAskEvery{0, 20'000'000};
-  while (!enough()) {
-    const int signal_number = sigtimedwait(&signals, nullptr, &kAskEvery);
-    if (signal_number > 0) return std::string("stopped by a signal (") + strsignal(signal_number) + ")";
-  }
-  return "";
-}
-
 // Joins the fleet, if there is one, and accepts its tokens. Null without a fleet, and after a signal, whose
 // reason is then in `stopped`.
 livegs::Result<std::unique_ptr<livegs::FleetMember>> join_fleet(const Options& options,
@@ -234,8 +213,9 @@ livegs::Result<livegs::StoredScene> fetch_scene(const Options& options, const si
   return fetched.get();
 }
 
-// Exit code of a server that a signal ends before it has a scene.
-int end_of_start(const std::string& reason) {
+// Exit code of a server that a signal ends before it has a scene. `fleet` may be null.
+int end_of_start(livegs::FleetMember* fleet, const std::string& reason) {
+  if (fleet) (void)fleet->leave();
   livegs::log_info("server: shutting down: %s", reason.c_str());
   return 0;
 }
@@ -285,7 +265,7 @@ int run(const Options& options) {
   std::string stopped;
   const auto fleet = join_fleet(options, security->get(), signals, stopped);
   if (!fleet) return report(fleet.error());
-  if (!stopped.empty()) return end_of_start(stopped);
+  if (!stopped.empty()) return end_of_start(fleet->get(), stopped);
 
   const int64_t begun_ns = now_ns();
   SceneOptions scene_options;
@@ -305,10 +285,7 @@ int run(const Options& options) {
     else
       (*server)->allow_store(place);
     auto fetched = fetch_scene(options, signals, stopped);
-    if (!stopped.empty()) {
-      if (*fleet) (void)(*fleet)->leave();
-      return end_of_start(stopped);
-    }
+    if (!stopped.empty()) return end_of_start(fleet->get(), stopped);
     if (!fetched) return report(fetched.error());
     stored.emplace(*std::move(fetched));
     scene_path = stored->path();

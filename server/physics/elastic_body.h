@@ -217,7 +217,7 @@ class ElasticBody {
   // Contact queries. The defaults are those of a solver without contact between moving bodies.
   virtual double reach_m() const { return 0.0; }  // radius about the centre of mass that encloses the body
   virtual Eigen::AlignedBox3d bounds_m() const { return {}; }  // enclosing box, world axes
-  virtual void prepare_bounds() {}
+  virtual void prepare_bounds() {}  // stores what surface_bounds_m reads; changes only this body
   // Bounds of the surface within a box; empty if the surface does not reach into it. After prepare_bounds,
   // until the next step, several threads may call it.
   virtual Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const {

@@ -124,7 +124,7 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
   };
   const auto take = [&](uint64_t offset, uint64_t, std::span<const std::byte> bytes) -> Result<void> {
     if (offset != part->size() || bytes.size() > asset_bytes - part->size())
-      return invalid_data(name + ": pieces arrive out of order or exceed the size; fetch it again");
+      return invalid_data(name + ": pieces arrive out of order or exceed the size");
     if (!part->append(bytes)) return system_error(part_path, "cannot be written");
     fetched += bytes.size();
     return decode(bytes);

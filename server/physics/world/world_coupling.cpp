@@ -28,8 +28,8 @@ constexpr size_t kBodiesPerBlock = 4, kPairsPerBlock = 32;
 struct NearPair {
   uint32_t elastic = 0, other = 0;
   bool rigid = false;  // the other one
-  double room_m =
-      0.0;  // largest distance of the surfaces; of a rigid one, from the centre of the elastic body
+  // Largest distance of the surfaces; of a rigid one, from the centre of the elastic body.
+  double room_m = 0.0;
   bool near = false;
 };
 

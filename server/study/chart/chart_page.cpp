@@ -44,8 +44,7 @@ std::string v1_spread(const std::vector<ChartRow>& rows) {
   }
   if (lines.empty()) return lines;
   return "`livegs-v1` blends towards its goals by a constant share per substep, so its stiffness depends on "
-         "the "
-         "substep count. The blend of `livegs-v1 steady` is converted once to a stiffness at 1/240 s.\n\n"
+         "the substep count. The blend of `livegs-v1 steady` is converted once to a stiffness at 1/240 s.\n\n"
          "| method | E | substeps | smallest E_app / E | largest E_app / E |\n|---|---|---|---|---|\n" +
          lines;
 }
@@ -146,8 +145,8 @@ std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how
       "default settings). On the curves, cells and substeps are fixed, not chosen. Only `cells` is run in "
       "three widths. BDF1 and uncompensated cells are run in cells of 25 mm only. Bullet costs a hundred "
       "times as much per node, so it is run with cubes of 50 mm and at most 4 or 16 substeps.\n\nA table "
-      "below"
-      " a figure has a row for each method of each case. The first rows are the methods within the bar, at "
+      "below a figure has a row for each method of each case. The first rows are the methods within the bar, "
+      "at "
       "their cheapest number of substeps. The others follow at the substeps of their smallest error. \"Not "
       "within the bar\" refers to these runs only. The last row has the cells and substeps that the program "
       "chooses if 4 substeps are requested.\n\n";

@@ -190,15 +190,13 @@ TEST(ObjectStore, RepeatsWhatMayPassAndReportsWhatDoesNot) {
     reply.body = "<?xml version=\"1.0\"?><Error><Code>" + name + "</Code><Message>m</Message></Error>";
     return reply;
   };
-  mock.set_fault([&](const SeenRequest&, int index) -> std::optional<Reply> {
+  const auto twice_late = [&](const SeenRequest&, int index) -> std::optional<Reply> {
     if (index >= 2) return std::nullopt;
     return with_code(400, "RequestTimeout");
-  });
+  };
+  mock.set_fault(twice_late);
   EXPECT_EQ(text_of(store->get("one").value()), "bytes");
-  mock.set_fault([&](const SeenRequest&, int index) -> std::optional<Reply> {
-    if (index >= 2) return std::nullopt;
-    return with_code(400, "RequestTimeout");
-  });
+  mock.set_fault(twice_late);
   EXPECT_TRUE(store->put("two", std::as_bytes(std::span("bytes"))));
   const std::vector<std::pair<std::string, std::string>> shown{
       {"AccessDenied", "status 403 (AccessDenied); "},
