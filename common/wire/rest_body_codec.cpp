@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-constexpr MessageHeader<uint32_t, uint16_t> kHeader{"rest body", " with LVGR", 0x5247564C, 1};
+constexpr MessageHeader<uint32_t, uint16_t> kRestBodyHeader{"rest body", " with LVGR", 0x5247564C, 1};
 constexpr uint8_t kPlain = 0;
 constexpr uint8_t kWithFills = 1;  // lattice
 constexpr uint8_t kWithRuns = 1;   // rigid object
@@ -205,7 +205,7 @@ Result<void> read_particles(ByteReader& in, RestBody& rest) {
 
 std::vector<std::byte> encode_rest_body(const RestBody& rest) {
   ByteWriter out;
-  kHeader.write(out);
+  kRestBodyHeader.write(out);
   out.write(static_cast<uint8_t>(rest.kind));
   LIVEGS_ASSERT(rest.revision <= kMaxRevision && (rest.kind == DriverKind::Rigid || rest.revision == 0));
   out.write(rest.revision > 0 ? kWithRuns : rest.cell_fills.empty() ? kPlain : kWithFills);
@@ -247,7 +247,7 @@ Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
   const uint16_t version = in.read<uint16_t>();
   const uint8_t kind = in.read<uint8_t>();
   const uint8_t encoding = in.read<uint8_t>();
-  if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
+  if (auto known = kRestBodyHeader.check(magic, version, in.failed()); !known) return known.error();
   const bool with_fills = encoding == kWithFills && kind == static_cast<uint8_t>(DriverKind::Lattice);
   const bool with_runs = encoding == kWithRuns && kind == static_cast<uint8_t>(DriverKind::Rigid);
   if (encoding != kPlain && !with_fills && !with_runs)
