@@ -23,8 +23,7 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.fd < 0) {
     if (errno == ENOENT) return not_found(path.string() + ": no such file; check the path");
-    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be opened: " + std::strerror(errno) +
-                                                  "; check the path and its permissions"};
+    return file_error(path, "cannot be opened");
   }
   struct stat status {};
   if (::fstat(file.fd, &status) != 0 || !S_ISREG(status.st_mode)) {
@@ -41,7 +40,7 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   while (done < size) {
     const ssize_t got = ::read(file.fd, reinterpret_cast<char*>(content.data()) + done, size - done);
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return Error{ErrorCode::Internal, path.string() + ": read failed: " + std::strerror(errno)};
+    if (got < 0) return file_error(path, "cannot be read");
     if (got == 0) break;  // the file was truncated while it was read
     done += static_cast<size_t>(got);
   }
@@ -49,14 +48,48 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   return content;
 }
 
-Error write_error(const std::filesystem::path& path) {
-  // The same on another machine may succeed.
-  const bool of_machine = errno == ENOSPC || errno == EDQUOT || errno == EIO;
-  return {of_machine ? ErrorCode::Internal : ErrorCode::PermissionDenied,
-          path.string() + ": cannot be written: " + std::strerror(errno)};
+const char* remedy_of(int reason) {
+  switch (reason) {
+    case ENOSPC:
+    case EDQUOT:
+      return "free space on its disk";
+    case EIO:
+      return "check its disk";
+    case EACCES:
+    case EPERM:
+      return "change the permissions, or give another path";
+    case EROFS:
+      return "give a path on another disk";
+    case EEXIST:
+    case ENOTDIR:
+      return "a file is in the way: give another path";
+    case EISDIR:
+      return "give the name of a file";
+    case ENAMETOOLONG:
+      return "give a shorter name";
+    case EFBIG:
+      return "raise the limit of file sizes (ulimit -f)";
+    case EMFILE:
+    case ENFILE:
+      return "raise the limit of open files (ulimit -n)";
+    default:
+      return "check the path";
+  }
 }
 
 }  // namespace
+
+Error file_error(const std::filesystem::path& path, std::string_view problem, std::error_code reason) {
+  const int number = reason.value();
+  const bool of_machine = number == ENOSPC || number == EDQUOT || number == EIO;
+  return {
+      of_machine ? ErrorCode::Internal : ErrorCode::PermissionDenied,
+      path.string() + ": " + std::string(problem) + ": " + std::strerror(number) + "; " + remedy_of(number)};
+}
+
+Error file_error(const std::filesystem::path& path, std::string_view problem) {
+  return file_error(path, problem, {errno, std::generic_category()});
+}
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, uint64_t max_bytes) {
   return read_whole<std::vector<std::byte>>(path, max_bytes);
@@ -74,9 +107,9 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::span<
   std::string pattern = path.string() + ".XXXXXX";
   step("create");
   Descriptor file{::mkostemp(pattern.data(), O_CLOEXEC)};
-  if (file.fd < 0) return write_error(path);
+  if (file.fd < 0) return file_error(path, "cannot be written");
   const auto fail = [&] {
-    Error error = write_error(path);
+    Error error = file_error(path, "cannot be written");
     ::unlink(pattern.c_str());
     return error;
   };

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "core/result.h"
@@ -22,6 +23,12 @@ inline constexpr uint64_t kMaxFileBytes = uint64_t{4} << 30;
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path,
                                          uint64_t max_bytes = kMaxFileBytes);
 Result<std::string> read_text_file(const std::filesystem::path& path, uint64_t max_bytes = 64 << 20);
+
+// The error of a system call on a path: "PATH: PROBLEM: REASON; REMEDY", with the remedy for the reason.
+// Internal if another machine or a later time may succeed (no space, I/O error), PermissionDenied otherwise.
+// `reason` is errno by default.
+Error file_error(const std::filesystem::path& path, std::string_view problem);
+Error file_error(const std::filesystem::path& path, std::string_view problem, std::error_code reason);
 
 // Called before each step that changes the disk, with the name of the step ("write", "sync", "rename", …).
 // Tests end the process in it.

@@ -38,6 +38,12 @@ inline Error invalid_data(std::string message) { return {ErrorCode::InvalidData,
 inline Error not_found(std::string message) { return {ErrorCode::NotFound, std::move(message)}; }
 inline Error unsupported(std::string message) { return {ErrorCode::Unsupported, std::move(message)}; }
 
+// The error with a remedy at the end of its line, unless the line has one already (after "; ").
+inline Error with_remedy(Error error, const std::string& remedy) {
+  if (error.message.find("; ") == std::string::npos) error.message += "; " + remedy;
+  return error;
+}
+
 namespace detail {
 [[noreturn]] inline void bad_result_access(const char* message) {
   std::fprintf(stderr, "livegs: value() of a failed Result: %s\n", message);

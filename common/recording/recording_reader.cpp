@@ -29,7 +29,8 @@ bool parse(Message& message, std::span<const std::byte> bytes) {
 }  // namespace
 
 Error RecordingReader::bad(const std::string& what) const {
-  return invalid_data(file_.path().string() + ": " + what);
+  return with_remedy(invalid_data(file_.path().string() + ": " + what),
+                     "the recording is damaged; copy it again");
 }
 
 Result<RecordingReader> RecordingReader::open(const std::filesystem::path& path) {

@@ -16,10 +16,6 @@ namespace {
 
 constexpr uint64_t kMaxSecretBytes = 4 << 20;
 
-Error file_error(const std::filesystem::path& path, const char* what) {
-  return {ErrorCode::PermissionDenied, path.string() + ": " + what + ": " + std::strerror(errno)};
-}
-
 }  // namespace
 
 Result<std::filesystem::path> state_folder(const std::filesystem::path& given) {
@@ -37,9 +33,8 @@ Result<void> make_state_folder(const std::filesystem::path& folder) {
   if (std::filesystem::is_directory(folder, error)) return {};
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
   if (::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST) return {};
-  Error refused = file_error(folder, "cannot be created");
-  refused.message += "; choose another folder with --state-dir DIR";
-  return refused;
+  return Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be created: " + std::strerror(errno) +
+                                                "; choose another folder with --state-dir DIR"};
 }
 
 Result<void> write_secret_file(const std::filesystem::path& path, std::string_view text) {

@@ -176,6 +176,12 @@ Result<Capture> check_views(Capture capture, const fs::path& path) {
   return capture;
 }
 
+Result<Capture> checked(Result<Capture> capture, const fs::path& path) {
+  if (capture) return check_views(std::move(*capture), path);
+  if (capture.error().code != ErrorCode::InvalidData) return capture;
+  return with_remedy(capture.error(), "write the file again with the program that placed the photos");
+}
+
 }  // namespace
 
 bool has_poses(const fs::path& path) {
@@ -187,22 +193,12 @@ Result<Capture> read_capture(const fs::path& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored))
     return not_found(path.string() + ": no such file or folder; check the path");
-  if (!fs::is_directory(path, ignored)) {
-    auto capture = capture_of_transforms(path);
-    if (!capture) return capture.error();
-    return check_views(std::move(*capture), path);
-  }
+  if (!fs::is_directory(path, ignored)) return checked(capture_of_transforms(path), path);
   for (const char* name : {"transforms.json", "transforms_train.json"}) {
-    if (!is_file(path / name)) continue;
-    auto capture = capture_of_transforms(path / name);
-    if (!capture) return capture.error();
-    return check_views(std::move(*capture), path);
+    if (is_file(path / name)) return checked(capture_of_transforms(path / name), path);
   }
-  if (const fs::path model = colmap_folder(path); !model.empty()) {
-    auto capture = capture_of_colmap(model, path);
-    if (!capture) return capture.error();
-    return check_views(std::move(*capture), path);
-  }
+  if (const fs::path model = colmap_folder(path); !model.empty())
+    return checked(capture_of_colmap(model, path), path);
   return not_found(path.string() + ": has no poses; expected transforms.json or a COLMAP model in sparse/0");
 }
 

@@ -51,6 +51,8 @@ Result<AssetFile> read_by_content(Bytes bytes, const std::filesystem::path& fold
 }
 
 Result<AssetFile> finished(Result<AssetFile> file, std::string_view name) {
+  if (!file && file.error().code == ErrorCode::InvalidData)
+    return with_remedy(file.error(), "copy the file again, or export it again");
   if (!file) return file;
   const Result<void> established = establish_invariants(*file, name);
   if (!established) return established.error();

@@ -169,8 +169,7 @@ Result<std::unique_ptr<ModelEndpoint>> open_recorded_endpoint(const std::filesys
   if (live) {
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
-    if (failed)
-      return Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be created: " + failed.message()};
+    if (failed) return file_error(folder, "cannot be created", failed);
     if (live->state().model.empty()) {
       return invalid_argument(
           "LIVEGS_MODEL: must be set for a recording, which is keyed by the name of the model");

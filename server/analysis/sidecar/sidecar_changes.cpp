@@ -12,6 +12,7 @@
 #include "analysis/physics_file.h"
 #include "analysis/sidecar/manual_edits.h"
 #include "analysis/sidecar/sidecar_state.h"
+#include "core/file.h"
 
 // Changes of a sidecar, under a lock on its log. The log is appended to and synced before the sidecar is
 // replaced.
@@ -109,9 +110,7 @@ class LockedLog {
 
  private:
   LockedLog(int fd, fs::path path) : fd_(fd), path_(std::move(path)) {}
-  Error error() const {
-    return {ErrorCode::PermissionDenied, path_.string() + ": cannot be written: " + std::strerror(errno)};
-  }
+  Error error() const { return file_error(path_, "cannot be written"); }
   // Offset after the last complete line.
   off_t end_of_lines() const {
     off_t end = ::lseek(fd_, 0, SEEK_END);

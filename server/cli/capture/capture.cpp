@@ -47,8 +47,7 @@ std::string axis_name(const Eigen::Vector3d& up) {
 Result<void> take_file(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
-  if (error)
-    return Error{ErrorCode::PermissionDenied, to.string() + ": cannot be written: " + error.message()};
+  if (error) return file_error(to, "cannot be written", error);
   note_written(to);
   return {};
 }
@@ -88,8 +87,7 @@ int run(CaptureCommand command) {
                                    ": holds an unfinished capture; continue it with --resume, or "
                                    "delete it"));
   fs::create_directories(work, error);
-  if (error)
-    return report({ErrorCode::PermissionDenied, work.string() + ": cannot be created: " + error.message()});
+  if (error) return report(file_error(work, "cannot be created", error));
   auto level = level_photos(command.photos, work);
   if (!level) {
     // The work folder is removed after an error in the photos, but kept for the log of a failed program.

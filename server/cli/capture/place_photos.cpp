@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "capture/read/pose_files.h"
+#include "core/file.h"
 #include "core/log.h"
 #include "core/text/format_text.h"
 
@@ -100,8 +101,7 @@ Result<Capture> place_photos(const fs::path& photos, const fs::path& work) {
     fs::remove(log, error);
     fs::remove_all(models, error);
     fs::create_directories(models, error);
-    if (error)
-      return Error{ErrorCode::PermissionDenied, models.string() + ": cannot be created: " + error.message()};
+    if (error) return file_error(models, "cannot be created", error);
     const auto step = [&](const std::string& does, std::vector<std::string> words) {
       log_info("poses of %zu photos: %s", count, does.c_str());
       return run_colmap(std::move(words), log);
@@ -138,8 +138,7 @@ Result<Capture> place_photos(const fs::path& photos, const fs::path& work) {
   fs::create_directories(root / "sparse", error);
   fs::create_directory_symlink(fs::absolute(*folder), root / "images", error);
   fs::create_directory_symlink(fs::absolute(best), root / "sparse" / "0", error);
-  if (error)
-    return Error{ErrorCode::PermissionDenied, root.string() + ": cannot be written: " + error.message()};
+  if (error) return file_error(root, "cannot be written", error);
   auto capture = read_capture(root);
   if (!capture) return capture.error();
   for (CapturedView& view : capture->views) view.picture = fs::canonical(view.picture, error);

@@ -49,7 +49,7 @@ Result<std::vector<fs::path>> files_below(const fs::path& path) {
     std::error_code ignored;
     if (at->is_regular_file(ignored)) files.push_back(at->path());
   }
-  if (error) return Error{ErrorCode::Internal, path.string() + ": cannot be listed: " + error.message()};
+  if (error) return file_error(path, "cannot be listed", error);
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -175,8 +175,7 @@ Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
   const fs::path scratch = folder.parent_path() / ("." + folder.filename().string() + ".part");
   fs::remove_all(scratch, error);
   fs::create_directories(scratch, error);
-  if (error)
-    return Error{ErrorCode::PermissionDenied, scratch.string() + ": cannot be created: " + error.message()};
+  if (error) return file_error(scratch, "cannot be created", error);
   const auto write_all = [&]() -> Result<void> {
     for (const SegmentedThing& thing : room.things) {
       if (auto written = write_asset(scratch / (thing.name + ".ply"), thing.asset); !written) return written;
@@ -200,9 +199,7 @@ Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
   if (written) {
     fs::remove(folder, error);  // an empty folder
     fs::rename(scratch, folder, error);
-    if (error)
-      written =
-          Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be written: " + error.message()};
+    if (error) written = file_error(folder, "cannot be written", error);
   }
   if (!written) {
     fs::remove_all(scratch, error);

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstring>
 
+#include "core/file.h"
 #include "core/written_files.h"
 
 namespace livegs {
@@ -17,9 +18,7 @@ constexpr size_t kBuffer = 1 << 20;
 Result<CsvFile> CsvFile::create(const std::filesystem::path& path, const char* header) {
   CsvFile csv;
   csv.file_.reset(std::fopen(path.c_str(), "w"));
-  if (!csv.file_) {
-    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
-  }
+  if (!csv.file_) return file_error(path, "cannot be written");
   note_written(path);
   csv.rows_.reserve(kBuffer + (kBuffer >> 4));
   csv.rows_ += header;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/file.h"
 #include "study/chart/chart_words.h"
 
 namespace livegs::study {
@@ -189,7 +190,7 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
   }
   const std::filesystem::path script = std::filesystem::path(path + ".gp");
   std::FILE* out = std::fopen(script.c_str(), "w");
-  if (!out) return Error{ErrorCode::PermissionDenied, script.string() + ": cannot be written"};
+  if (!out) return file_error(script, "cannot be written");
   std::fprintf(out,
                "set terminal svg size %zu,520 font 'Helvetica,12' background rgb 'white'\nset output '%s'\n",
                std::max<size_t>(860, (figure.same_axis ? 260 : 200) + 290 * panels.size()), path.c_str());

@@ -29,7 +29,16 @@ TEST(File, ErrorsContainPathAndReason) {
   EXPECT_NE(read_file(folder).error().message.find("not a regular file"), std::string::npos);
   ASSERT_TRUE(write_file_atomically(folder / "big", "0123456789"));
   EXPECT_EQ(read_file(folder / "big", 9).error().code, ErrorCode::TooLarge);
-  EXPECT_FALSE(write_file_atomically(folder / "no_such_folder" / "a", "x"));
+  EXPECT_EQ(write_file_atomically(folder / "no_such_folder" / "a", "x").error().message,
+            (folder / "no_such_folder" / "a").string() +
+                ": cannot be written: No such file or directory; check the path");
+  EXPECT_EQ(write_file_atomically(folder / "big" / "a", "x").error().message,
+            (folder / "big" / "a").string() +
+                ": cannot be written: Not a directory; a file is in the way: give another path");
+  const auto full = std::make_error_code(std::errc::no_space_on_device);
+  EXPECT_EQ(file_error("a.csv", "cannot be written", full).message,
+            "a.csv: cannot be written: No space left on device; free space on its disk");
+  EXPECT_EQ(file_error("a.csv", "cannot be written", full).code, ErrorCode::Internal);
   std::filesystem::remove_all(folder);
 }
 

@@ -152,6 +152,7 @@ TEST(Fixtures, InvalidFilesGiveOneLineErrors) {
     EXPECT_NE(message.find(words), std::string::npos) << name << ": " << message;
     EXPECT_NE(message.find(std::filesystem::path(name).filename().string()), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_NE(message.find("; "), std::string::npos) << message << " has no remedy";
   }
 }
 

@@ -179,7 +179,7 @@ void survives(const Buffer& bytes, const std::string& name) {
   if (file) {
     expect_invariants(file->asset, name);
   } else {
-    EXPECT_FALSE(file.error().message.empty());
+    EXPECT_NE(file.error().message.find("; "), std::string::npos) << file.error().message << " has no remedy";
     EXPECT_EQ(file.error().message.find('\n'), std::string::npos) << file.error().message;
   }
 }

@@ -26,7 +26,7 @@ void write_bytes(const std::filesystem::path& path, std::span<const std::byte> b
 void use(const std::filesystem::path& path) {
   auto reader = RecordingReader::open(path);
   if (!reader) {
-    EXPECT_FALSE(reader.error().message.empty());
+    EXPECT_NE(reader.error().message.find("; "), std::string::npos) << reader.error().message;
     return;
   }
   for (const int64_t moment_ns : {int64_t{0}, int64_t{2'000'000'000}, INT64_MAX}) {
