@@ -5,21 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
 #include <utility>
 
+#include "geometry/field/point_grid.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/triangle_distance.h"
 
 namespace livegs {
 namespace {
-
-using Cell = std::array<int64_t, 3>;
-struct CellHash {
-  size_t operator()(const Cell& cell) const {
-    return static_cast<size_t>((cell[0] * 73856093) ^ (cell[1] * 19349663) ^ (cell[2] * 83492791));
-  }
-};
 
 // Fills one triangle with a regular pattern of points, excluding corners. The step is at most `spacing_m`
 // along each edge.
@@ -78,28 +71,8 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
     keep_extremes(mesh.vertices_m, kept);
   }
 
-  const auto cell_of = [&](const Eigen::Vector3d& point) {
-    return Cell{static_cast<int64_t>(std::floor(point.x() / spacing_m)),
-                static_cast<int64_t>(std::floor(point.y() / spacing_m)),
-                static_cast<int64_t>(std::floor(point.z() / spacing_m))};
-  };
-  std::unordered_map<Cell, std::vector<Eigen::Vector3d>, CellHash> taken;  // kept points by cell
-  for (const Eigen::Vector3d& point : kept) taken[cell_of(point)].push_back(point);
-  const auto is_near_kept = [&](const Eigen::Vector3d& point) {
-    const Cell centre = cell_of(point);
-    for (int64_t x = -1; x <= 1; ++x) {
-      for (int64_t y = -1; y <= 1; ++y) {
-        for (int64_t z = -1; z <= 1; ++z) {
-          const auto found = taken.find({centre[0] + x, centre[1] + y, centre[2] + z});
-          if (found == taken.end()) continue;
-          for (const Eigen::Vector3d& other : found->second) {
-            if ((other - point).squaredNorm() < spacing_m * spacing_m) return true;
-          }
-        }
-      }
-    }
-    return false;
-  };
+  PointGrid taken(mesh_bounds_m(mesh), spacing_m);
+  for (const Eigen::Vector3d& point : kept) taken.insert(point);
   // Farthest points first, so that the first points to touch are kept. Vertices are taken before filling
   // points because edges are sharp.
   const auto take = [&](std::vector<Eigen::Vector3d> points) {
@@ -107,9 +80,9 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
       return a.squaredNorm() > b.squaredNorm();
     });
     for (const Eigen::Vector3d& point : points) {
-      if (is_near_kept(point)) continue;
+      if (taken.has_neighbour_within(point, spacing_m)) continue;
       kept.push_back(point);
-      taken[cell_of(point)].push_back(point);
+      taken.insert(point);
     }
   };
   if (!few) take(mesh.vertices_m);

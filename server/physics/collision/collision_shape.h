@@ -26,8 +26,6 @@ inline constexpr size_t kMaxContactPoints = 400;
 // Spacing of contact points, relative to the longest side of the bounding box. Smaller: finer bumps collide,
 // more points.
 inline constexpr double kContactPointSpacing = 1.0 / 16.0;
-// Distance field cells along the longest side of the bounding box.
-inline constexpr double kBodyFieldCells = 32.0;
 
 // All lengths in the body frame: origin at the centre of mass, axes parallel to the object's at rest.
 struct RigidShape {
@@ -67,7 +65,7 @@ struct RigidShape::Part {
 
 // Resolution of a contact shape. Each of many small bodies needs less.
 struct ShapeDetail {
-  double field_cells = kBodyFieldCells;         // along the longest side of its bounding box
+  double field_cells = 32.0;  // of its distance field, along the longest side of its bounding box
   double point_spacing = kContactPointSpacing;  // relative to that side
   size_t max_points = kMaxContactPoints;
   DistanceField::Thin thin = DistanceField::Thin::Exact;

@@ -11,10 +11,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr int kMaxCells = 32;            // per axis
-constexpr int kMaxNeighbours = 48;       // elements per query
-constexpr int kMaxFaces = 3;             // faces that meet at one point
-constexpr double kSameFaceCosine = 0.5;  // minimum cosine between normals of one face
+constexpr int kMaxCells = 32;       // per axis
+constexpr int kMaxNeighbours = 48;  // elements per query
+constexpr int kMaxFaces = 3;        // faces that meet at one point
 // Maximum concavity of an edge that counts as convex, relative to the reach.
 constexpr double kMaxHollow = 1e-3;
 constexpr double kFacingCosine = -0.3;  // maximum cosine between normals of opposite faces
@@ -142,7 +141,7 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
     Vector3d normal = Vector3d::Zero();
     for (int k = 0; k < count; ++k) {
       const SurfaceElement& element = elements_[near[k]];
-      if (element.normal.dot(lead.normal) < kSameFaceCosine) continue;
+      if (element.normal.dot(lead.normal) < kSameSideCosine) continue;
       taken[k] = true;
       const double part = 1.0 - squares[k] / (reach_m_ * reach_m_), weight = part * part;
       weights += weight;

@@ -94,14 +94,12 @@ struct PolygonCorner {
   Vector3d point;
   uint64_t id, edge;
 };
-constexpr size_t kMaxCorners = 2 * kMaxPolyhedronVertices;
 
 uint64_t face_pair_id(uint64_t reference, uint64_t incident) { return (reference << 16) | (incident << 22); }
-constexpr uint64_t kEdgePair = uint64_t{1} << 30;
 
 // Clips `other`'s most antiparallel face to `normal` against the sides of `of`'s face.
 struct Cut {
-  std::array<PolygonCorner, kMaxCorners> first, second;
+  std::array<PolygonCorner, 2 * kMaxPolyhedronVertices> first, second;
   PolygonCorner *corners = first.data(), *spare = second.data();
   size_t count = 0;
 
@@ -110,8 +108,8 @@ struct Cut {
     for (size_t i = 0; i < count; ++i) {
       const PolygonCorner &from = corners[i], &to = corners[i + 1 < count ? i + 1 : 0];
       const double height = outwards.dot(from.point) - offset, next = outwards.dot(to.point) - offset;
-      if (height <= 0.0 && kept < kMaxCorners) spare[kept++] = from;
-      if ((height <= 0.0) == (next <= 0.0) || kept == kMaxCorners) continue;
+      if (height <= 0.0 && kept < first.size()) spare[kept++] = from;
+      if ((height <= 0.0) == (next <= 0.0) || kept == first.size()) continue;
       const double share = height / (height - next);
       // At an exit the polygon continues along the clipping plane, at an entry along the clipped edge.
       spare[kept++] = {from.point + share * (to.point - from.point), 256 + from.edge * 64 + side,
@@ -202,8 +200,8 @@ void polyhedron_contacts(const PlacedPolyhedron& a, const PlacedPolyhedron& b, d
     if (crossing || edges.gap < 0.0) {
       const Vector3d on_a = from_a + std::clamp(s, 0.0, 1.0) * along_a;
       const Vector3d on_b = from_b + std::clamp(t, 0.0, 1.0) * along_b;
-      candidates.push_back({kForeignFeature + kEdgePair + edges.a * 256 + edges.b, world(0.5 * (on_a + on_b)),
-                            a.rotation * -edges.normal, edges.gap});
+      candidates.push_back({kForeignFeature + (uint64_t{1} << 30) + edges.a * 256 + edges.b,
+                            world(0.5 * (on_a + on_b)), a.rotation * -edges.normal, edges.gap});
       return;
     }
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "geometry/mesh/smooth_surface.h"
+#include "physics/collision/point_surface.h"
 
 namespace livegs {
 namespace {
@@ -29,13 +30,9 @@ struct KeyHash {
 // Distance between patches on the same side of the surface, in voxels. The points of a box cut into whole
 // voxels are at least one apart.
 constexpr double kPatchSpacing = 0.7;
-// Reach of a patch, in voxels; more than half the widest gap between patches.
-constexpr double kPatchReach = 1.0;
 // Radius of curvature, in reaches, beyond which a patch is flat: it bulges by less than half a per cent of
 // its reach.
 constexpr double kFlatRadius = 100.0;
-// Cosine between normals below which two points are on different sides, as on a thin sheet.
-constexpr double kSameSideCosine = 0.5;
 // Cosine between a patch and the opposite of the direction below which the patch does not touch.
 constexpr double kMinFacingCosine = 0.01;
 // Reach of a patch, in its radii of curvature, up to which the quadric is near a circle: within 1 % of the
@@ -229,8 +226,9 @@ std::vector<SurfacePatch> surface_patches(const ParticleSet& particles) {
   const double edge_m = particles.spacing_m;
   const SmoothSurface surface({particles.mesh_vertices_m, particles.mesh_triangles});
   TakenPatches taken(kPatchSpacing * edge_m);
-  // Parts thinner than a voxel, such as leaves, end within the reach of a patch.
-  const double reach_m = particles.surface_carries ? 0.0 : kPatchReach * edge_m;
+  // A voxel is more than half the widest gap between patches. Parts thinner than that, such as leaves, end
+  // within the reach of a patch.
+  const double reach_m = particles.surface_carries ? 0.0 : edge_m;
   const auto take = [&](const SmoothSurface::Foot& foot, bool apart) {
     const Vector3d normal = mean_normal(foot.normals);
     if (apart && taken.has_neighbour(foot.point_m, normal)) return;

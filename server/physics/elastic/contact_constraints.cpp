@@ -21,7 +21,6 @@ constexpr double kConvergence = 0.002;
 // Sweeps over the pushing rows alone after each sweep over all. Larger: cheaper sweeps, and rows that close
 // in the meantime are found later.
 constexpr int kPushingSweeps = 4;
-constexpr size_t kRowsPerBlock = 256;  // that a thread prepares at a time
 // Weight of the change of the impulse of a row that pushed in the last step, relative to its response
 // (proximal point iteration, Rockafellar 1976). Rows that share nodes leave parts of their impulses
 // undetermined, which sweeps alone settle slowly. Constant loads are met exactly. 0: twice the sweeps; above
@@ -175,7 +174,7 @@ double solve(SolvedRow& row) {
 
 void solve_contacts(std::span<ContactConstraint* const> constraints, double step_s) {
   std::vector<SolvedRow> all(constraints.size());
-  parallel_for(all.size(), kRowsPerBlock, [&](size_t begin, size_t end) {
+  parallel_for(all.size(), 256, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) all[i] = prepare(*constraints[i], step_s);
   });
   for (const SolvedRow& row : all) {

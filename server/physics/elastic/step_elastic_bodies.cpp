@@ -11,7 +11,6 @@ namespace livegs {
 namespace {
 
 // Bodies that one thread takes at a time, at least, and parts that the bodies are divided into, at most.
-constexpr size_t kMinBodiesPerThread = 4, kMaxBlocks = 16;
 
 }  // namespace
 
@@ -33,7 +32,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
   const double substep_s = bodies.front().context.duration_s;
   std::vector<ContactConstraint*> rows;
   // Every body changes only itself, so that few bodies are not worth a second thread.
-  const size_t block = std::max(kMinBodiesPerThread, bodies.size() / kMaxBlocks + 1);
+  const size_t block = std::max<size_t>(4, bodies.size() / 16 + 1);
   const auto for_each_body = [&](const auto& visit) {
     parallel_for(bodies.size(), block, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +11,7 @@
 namespace livegs {
 namespace {
 
+using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -17,23 +19,19 @@ using Eigen::Vector3d;
 // axes.
 constexpr double kPrincipalAxesRatio = 0.9;
 
-struct Bounds {
-  Vector3d min = Vector3d::Constant(1e300), max = Vector3d::Constant(-1e300);
-  void add(const Vector3d& point, double half = 0.0) {
-    min = min.cwiseMin(point - Vector3d::Constant(half));
-    max = max.cwiseMax(point + Vector3d::Constant(half));
-  }
-  double volume() const { return (max - min).prod(); }
-};
+AlignedBox3d cube_at(const Vector3d& centre, double half) {
+  return {centre - Vector3d::Constant(half), centre + Vector3d::Constant(half)};
+}
 
 // Bounds of the vertices if there is a mesh. Cubes about the few particles of a slender bar would fit tighter
 // along some oblique axes.
-Bounds bounds_along(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
-  Bounds bounds;
-  for (const Vector3d& vertex : particles.mesh_vertices_m) bounds.add(lattice_from_object * vertex);
+AlignedBox3d bounds_along(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
+  AlignedBox3d bounds;
+  for (const Vector3d& vertex : particles.mesh_vertices_m) bounds.extend(lattice_from_object * vertex);
   if (!particles.mesh_vertices_m.empty()) return bounds;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
-    bounds.add(lattice_from_object * particles.positions_m[i], 0.5 * std::cbrt(particles.volumes_m3[i]));
+    bounds.extend(
+        cube_at(lattice_from_object * particles.positions_m[i], 0.5 * std::cbrt(particles.volumes_m3[i])));
   }
   return bounds;
 }
@@ -63,10 +61,10 @@ Matrix3d principal_axes(const ParticleSet& particles) {
 }
 
 // Bounds of the surface: of all mesh vertices, or of all points of a list.
-Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
-  Bounds bounds;
+AlignedBox3d surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
+  AlignedBox3d bounds;
   const auto& points = particles.mesh_vertices_m.empty() ? particles.positions_m : particles.mesh_vertices_m;
-  for (const Vector3d& point : points) bounds.add(lattice_from_object * point);
+  for (const Vector3d& point : points) bounds.extend(lattice_from_object * point);
   return bounds;
 }
 
@@ -75,28 +73,28 @@ Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from
 // A potted plant fails the second test: its leaves contain no voxel centre, and the pot must not be stretched
 // over them.
 bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
-                 const Bounds& surface) {
+                 const AlignedBox3d& surface) {
   if (particles.surface_carries || particles.on_surface.size() != particles.positions_m.size()) return false;
-  Bounds voxels;
+  AlignedBox3d voxels;
   size_t count = 0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
     if (particles.on_surface[i]) continue;
-    voxels.add(lattice_from_object * particles.positions_m[i], 0.5 * particles.spacing_m);
+    voxels.extend(cube_at(lattice_from_object * particles.positions_m[i], 0.5 * particles.spacing_m));
     ++count;
   }
   const bool of_mesh = !particles.mesh_vertices_m.empty();
   if (count == 0 || (count == particles.positions_m.size() && !of_mesh)) return false;
   if (static_cast<double>(count) * std::pow(particles.spacing_m, 3) <= 0.5 * volume) return false;
   const double reach = particles.spacing_m * (1.0 + 1e-6);
-  return ((voxels.min - surface.min).cwiseAbs().array() <= reach).all() &&
-         ((voxels.max - surface.max).cwiseAbs().array() <= reach).all();
+  return ((voxels.min() - surface.min()).cwiseAbs().array() <= reach).all() &&
+         ((voxels.max() - surface.max()).cwiseAbs().array() <= reach).all();
 }
 
 // Whole voxels end before or after the true faces. The outermost voxels of a compact body along the object's
 // axes are cut or extended to the faces, so that a box is filled exactly. Voxel volumes were estimated by
 // sampling. A voxel near its full volume is set to full, and the other voxels absorb the difference. Returns
 // false, without changes, unless nearly all voxels are full.
-bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
+bool end_at_faces(const AlignedBox3d& surface, double volume, BodyExtent& extent) {
   constexpr double kEdgeTolerance = 0.25, kRounding = 1e-6, kMinFullShare = 0.8, kFilled = 0.999;
   // A body that fills its bounding box has no partial voxels.
   const bool filled = volume >= kFilled * surface.volume();
@@ -107,10 +105,10 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
     Vector3d low = box.centre_m - box.half_m, high = box.centre_m + box.half_m;
     const double edge = 2.0 * box.half_m.x();
     for (int d = 0; d < 3; ++d) {
-      if (low[d] < extent.min_m[d] + kRounding * edge) low[d] = surface.min[d];
-      if (high[d] > extent.max_m[d] - kRounding * edge) high[d] = surface.max[d];
-      low[d] = std::clamp(low[d], surface.min[d], box.centre_m[d]);
-      high[d] = std::clamp(high[d], box.centre_m[d], surface.max[d]);
+      if (low[d] < extent.min_m[d] + kRounding * edge) low[d] = surface.min()[d];
+      if (high[d] > extent.max_m[d] - kRounding * edge) high[d] = surface.max()[d];
+      low[d] = std::clamp(low[d], surface.min()[d], box.centre_m[d]);
+      high[d] = std::clamp(high[d], box.centre_m[d], surface.max()[d]);
     }
     const double own_m3 = (high - low).prod();
     box.centre_m = 0.5 * (low + high);
@@ -135,10 +133,10 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
 // lattice axes, no longer than a voxel and with a minimum number along each edge. Returns false, without
 // changes, if the boxes do not match the volume.
 bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
-              const Bounds& surface, BodyExtent& extent) {
+              const AlignedBox3d& surface, BodyExtent& extent) {
   constexpr double kSolid = 0.4, kVolumeTolerance = 0.1;
   constexpr int kMinEdge = 6, kMaxEdge = 64;
-  const Vector3d size = surface.max - surface.min;
+  const Vector3d size = surface.max() - surface.min();
   if (particles.mesh_triangles.empty() || !(volume > kSolid * size.prod())) return false;
   RegularGrid grid;
   for (int d = 0; d < 3; ++d) {
@@ -150,7 +148,7 @@ bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& latti
   TriangleMesh mesh;
   mesh.triangles = particles.mesh_triangles;
   for (const Vector3d& vertex : particles.mesh_vertices_m) {
-    mesh.vertices_m.push_back((lattice_from_object * vertex - surface.min).cwiseQuotient(edge));
+    mesh.vertices_m.push_back((lattice_from_object * vertex - surface.min()).cwiseQuotient(edge));
   }
   const std::vector<uint8_t> inside = nodes_inside(mesh, grid);
   const auto count = static_cast<double>(std::count(inside.begin(), inside.end(), 1));
@@ -161,12 +159,12 @@ bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& latti
       for (int i = 0; i < grid.counts.x(); ++i) {
         if (!inside[grid.index(i, j, k)]) continue;
         extent.boxes.push_back(
-            {surface.min + grid.point_m(i, j, k).cwiseProduct(edge), 0.5 * edge, volume / count});
+            {surface.min() + grid.point_m(i, j, k).cwiseProduct(edge), 0.5 * edge, volume / count});
       }
     }
   }
-  extent.min_m = surface.min;
-  extent.max_m = surface.max;
+  extent.min_m = surface.min();
+  extent.max_m = surface.max();
   return true;
 }
 
@@ -187,22 +185,22 @@ BodyExtent measure_extent(const ParticleSet& particles) {
 
   double volume = 0.0;
   for (const double v : particles.volumes_m3) volume += v;
-  const Bounds surface = surface_bounds(particles, lattice_from_object);
+  const AlignedBox3d surface = surface_bounds(particles, lattice_from_object);
   const bool voxels_only = voxels_fill(particles, volume, lattice_from_object, surface);
-  Bounds material;
+  AlignedBox3d material;
   double used = 0.0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
     const Vector3d centre = lattice_from_object * particles.positions_m[i];
     if (voxels_only && particles.on_surface[i]) continue;
     const double half = voxels_only ? 0.5 * particles.spacing_m : 0.5 * std::cbrt(particles.volumes_m3[i]);
     extent.boxes.push_back({centre, Vector3d::Constant(half), particles.volumes_m3[i]});
-    material.add(centre, half);
+    material.extend(cube_at(centre, half));
     used += particles.volumes_m3[i];
   }
   extent.box_edge_m = voxels_only ? particles.spacing_m
                                   : std::cbrt(volume / static_cast<double>(particles.positions_m.size()));
-  extent.min_m = material.min;
-  extent.max_m = material.max;
+  extent.min_m = material.min();
+  extent.max_m = material.max();
   if (!voxels_only) {
     extent.loose =
         !cut_mesh(particles, volume, lattice_from_object, surface, extent) && particles.surface_carries;
@@ -211,14 +209,14 @@ BodyExtent measure_extent(const ParticleSet& particles) {
   for (MassBox& box : extent.boxes) box.volume_m3 *= volume / used;
   if (!along_object_axes(extent) || !end_at_faces(surface, volume, extent)) {
     // The voxels are oblique, or the body is little more than surface: stretch all boxes.
-    const Vector3d stretch = (surface.max - surface.min).cwiseQuotient(material.max - material.min);
+    const Vector3d stretch = (surface.max() - surface.min()).cwiseQuotient(material.max() - material.min());
     for (MassBox& box : extent.boxes) {
-      box.centre_m = surface.min + (box.centre_m - material.min).cwiseProduct(stretch);
+      box.centre_m = surface.min() + (box.centre_m - material.min()).cwiseProduct(stretch);
       box.half_m = box.half_m.cwiseProduct(stretch);
     }
   }
-  extent.min_m = surface.min;
-  extent.max_m = surface.max;
+  extent.min_m = surface.min();
+  extent.max_m = surface.max();
   return extent;
 }
 

@@ -18,8 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Tolerance of the cell count along an axis, in cells: a thinner outer layer is dropped.
-constexpr double kMinLayer = 1e-3;
 // Minimum node mass relative to an inner node.
 constexpr double kMinNodeMass = 1e-6;
 // Material below this fraction of a cell is treated as rounding.
@@ -66,7 +64,7 @@ Vector3d lattice_origin(const BodyExtent& extent, double cell_width_m, std::span
   Vector3d origin;
   for (int d = 0; d < 3; ++d) {
     const double length = extent.max_m[d] - extent.min_m[d];
-    const double count = std::max(1.0, std::ceil(length / cell_width_m - kMinLayer));
+    const double count = std::max(1.0, std::ceil(length / cell_width_m - kMinSlice));
     origin[d] = 0.5 * (extent.min_m[d] + extent.max_m[d]) - 0.5 * count * cell_width_m;
   }
   if (!along_object_axes(extent)) return origin;
@@ -78,7 +76,7 @@ Vector3d lattice_origin(const BodyExtent& extent, double cell_width_m, std::span
       const double margin = 1e-6 * (extent.max_m[d] - extent.min_m[d]);
       for (const double face : {region.max_m[d], region.min_m[d]}) {
         if (snapped[d] || face <= extent.min_m[d] + margin || face >= extent.max_m[d] - margin) continue;
-        origin[d] = face - cell_width_m * std::ceil((face - extent.min_m[d]) / cell_width_m - kMinLayer);
+        origin[d] = face - cell_width_m * std::ceil((face - extent.min_m[d]) / cell_width_m - kMinSlice);
         snapped[d] = 1;
       }
     }

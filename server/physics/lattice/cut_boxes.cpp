@@ -12,9 +12,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// A slice of a box thinner than this fraction of a cell goes to the neighbouring cell, so that rounding does
-// not create nearly empty cells.
-constexpr double kMinSlice = 1e-3;
 // Cuts closer than this fraction of a cell are merged.
 constexpr double kSameCut = 1e-9;
 constexpr int kPartsOfStraddling = 4;

@@ -13,6 +13,10 @@
 
 namespace livegs {
 
+// A slice of a box thinner than this fraction of a cell goes to the neighbouring cell, and a thinner outer
+// layer of a body is dropped, so that rounding does not create nearly empty cells.
+inline constexpr double kMinSlice = 1e-3;
+
 // A box or a part of it, within one cell.
 struct BoxPiece {
   uint32_t box;          // box index in BodyExtent::boxes

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "physics/lattice/region_load.h"
 
+#include <Eigen/Geometry>
 #include <map>
 #include <utility>
 
@@ -10,14 +11,11 @@
 namespace livegs {
 namespace {
 
+using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 // For meshes: columns across a face along each edge, and depth samples per column.
 constexpr int kColumns = 48, kDepthSamples = 16;
-
-struct LoadBounds {
-  Vector3d min_m = Vector3d::Constant(1e300), max_m = Vector3d::Constant(-1e300);
-};
 
 struct BoxFace {
   Vector3d min_m, max_m;  // of the region, clipped to the body's bounds
@@ -25,14 +23,14 @@ struct BoxFace {
   double at_m;
 };
 
-BoxFace face_of(const LoadBounds& body, const BodyRegion& region) {
-  BoxFace face{region.min_m.cwiseMax(body.min_m), region.max_m.cwiseMin(body.max_m), 0, 0.0};
+BoxFace face_of(const AlignedBox3d& body, const BodyRegion& region) {
+  BoxFace face{region.min_m.cwiseMax(body.min()), region.max_m.cwiseMin(body.max()), 0, 0.0};
   const Vector3d size_m = face.max_m - face.min_m;
   for (int d = 1; d < 3; ++d) {
     if (size_m[d] < (1.0 - 1e-9) * size_m[face.across]) face.across = d;
   }
   const int d = face.across;
-  face.at_m = body.max_m[d] - face.max_m[d] <= face.min_m[d] - body.min_m[d] ? face.max_m[d] : face.min_m[d];
+  face.at_m = body.max()[d] - face.max_m[d] <= face.min_m[d] - body.min()[d] ? face.max_m[d] : face.min_m[d];
   return face;
 }
 
@@ -42,11 +40,8 @@ BoxFace face_of(const LoadBounds& body, const BodyRegion& region) {
 // them cannot rotate.
 std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& lattice,
                                  const BodyRegion& region) {
-  LoadBounds body;
-  for (const Vector3d& vertex : particles.mesh_vertices_m) {
-    body.min_m = body.min_m.cwiseMin(vertex);
-    body.max_m = body.max_m.cwiseMax(vertex);
-  }
+  AlignedBox3d body;
+  for (const Vector3d& vertex : particles.mesh_vertices_m) body.extend(vertex);
   const BoxFace face = face_of(body, region);
   const Vector3d size_m = face.max_m - face.min_m;
   if ((size_m.array() <= 0.0).any()) return {};
@@ -93,15 +88,13 @@ std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& la
   return points;
 }
 
-LoadBounds bounds_in_object_axes(const BodyExtent& extent) {
+AlignedBox3d bounds_in_object_axes(const BodyExtent& extent) {
   if (along_object_axes(extent)) return {extent.min_m, extent.max_m};
-  LoadBounds bounds;
+  AlignedBox3d bounds;
   for (const MassBox& box : extent.boxes) {
     for (int c = 0; c < 8; ++c) {
       const Vector3d sign(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
-      const Vector3d corner = extent.object_from_lattice * (box.centre_m + sign.cwiseProduct(box.half_m));
-      bounds.min_m = bounds.min_m.cwiseMin(corner);
-      bounds.max_m = bounds.max_m.cwiseMax(corner);
+      bounds.extend(extent.object_from_lattice * (box.centre_m + sign.cwiseProduct(box.half_m)));
     }
   }
   return bounds;

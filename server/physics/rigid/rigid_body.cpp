@@ -77,12 +77,18 @@ void RigidBody::move(double duration_s) {
   update_turning();
 }
 
-double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s) {
+double max_approach_m_s(const RigidBody& a, const RigidBody& b) {
+  return (a.velocity_m_s - b.velocity_m_s).norm() +
+         a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
+         b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m;
+}
+
+double three_point_speed_m_s(const RigidBody& body) {
   const Eigen::Matrix3d axes = body.world_from_body.orientation.toRotationMatrix();
-  double fastest = velocity_m_s.norm();
+  double fastest = body.velocity_m_s.norm();
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector3d arm = body.shape.bounding_radius_m * axes.col(axis);
-    fastest = std::max(fastest, (velocity_m_s + body.angular_velocity_rad_s.cross(arm)).norm());
+    fastest = std::max(fastest, (body.velocity_m_s + body.angular_velocity_rad_s.cross(arm)).norm());
   }
   return fastest;
 }

@@ -115,8 +115,10 @@ struct RigidBody {
   }
 };
 
-// Maximum speed of the centre of mass, moving with `velocity_m_s`, and of two points at right angles on the
-// bounding sphere.
-double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s);
+// Bound of the speed at which points of two bodies approach.
+double max_approach_m_s(const RigidBody& a, const RigidBody& b);
+
+// Maximum speed of the centre of mass and of two points at right angles on the bounding sphere.
+double three_point_speed_m_s(const RigidBody& body);
 
 }  // namespace livegs

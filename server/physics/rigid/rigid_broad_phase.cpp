@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "physics/collision/contact_candidate.h"
 #include "physics/rigid/contact/contact_solver.h"
 
 namespace livegs {

@@ -23,8 +23,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
     bool touching = body->pushed_by_owner || body->in_elastic_contact || body->joints;
     for (const ContactManifold& manifold : body->manifolds)
       touching = touching || total_impulse(manifold) > 0.0;
-    const bool still =
-        touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
+    const bool still = touching && three_point_speed_m_s(*body) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;
   }
   for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingManifold, Eigen::Vector3d::Zero())) {

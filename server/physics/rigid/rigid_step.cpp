@@ -25,8 +25,6 @@ namespace {
 // better than iterations for high mass ratios and tall stacks (Macklin et al. 2019, Small steps in physics
 // simulation), because contacts may be stiffer.
 constexpr int kSolverSteps = 4;
-// Sweeps with bias per step.
-constexpr int kPushIterations = 1;
 constexpr int kRelaxIterations = 2;  // with one, large piles do not come to rest
 
 constexpr int kMaxWarnings = 10;  // per process
@@ -184,18 +182,16 @@ void solve_island(RigidIsland& island, double duration_s, int steps) {
       }
       for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
     });
-    for (int sweep = 0; sweep < kPushIterations; ++sweep) {
-      contacts.sweep(ContactPhase::Push);
-      with_bodies(has_springs || !joints.empty(), [&] {
-        for (RigidBody* body : island.bodies) {
-          for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
-        }
-        if (joints.empty()) return;
-        contacts.store_impulses();
-        each(mark_contacts);
-        for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
-      });
-    }
+    contacts.sweep(ContactPhase::Push);
+    with_bodies(has_springs || !joints.empty(), [&] {
+      for (RigidBody* body : island.bodies) {
+        for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
+      }
+      if (joints.empty()) return;
+      contacts.store_impulses();
+      each(mark_contacts);
+      for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
+    });
     contacts.update_separations();
     contacts.store_motion();
     contacts.store_impulses();

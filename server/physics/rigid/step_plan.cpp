@@ -19,7 +19,7 @@ constexpr double kMaxSag = 5e-4;
 constexpr double kMaxColumnSag = 0.4;
 // Solver steps of a substep. Larger: less sag at high mass ratios and low rates, more time.
 constexpr int kMaxSteps = 128;
-constexpr int kMaxManifoldSteps = 1024;  // manifolds times solver steps
+constexpr int kMaxManifoldSteps = 1024;  // manifolds times solver steps, or times sub-intervals
 // Minimum cosine between a supporting normal and the vertical.
 constexpr double kSupportCosine = 0.5;
 
@@ -28,7 +28,6 @@ constexpr double kFastPairThicknesses = 6.0;  // displacement per substep, relat
 constexpr double kMaxTurn_rad = 0.25;
 // Maximum number of sub-intervals. Larger: faster thin pairs are resolved, more time.
 constexpr int kMaxDetections = 32;
-constexpr int kMaxManifoldDetections = 1024;  // manifolds times sub-intervals
 
 double thickness_m(const RigidShape& shape) {
   return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m;
@@ -36,10 +35,7 @@ double thickness_m(const RigidShape& shape) {
 
 double detections_of_pair(const RigidBody& a, const RigidBody& b, double duration_s) {
   if (a.shape.is_ball() || b.shape.is_ball()) return 1.0;
-  const double speed = (a.velocity_m_s - b.velocity_m_s).norm() +
-                       a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
-                       b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m;
-  const double displacement = duration_s * speed;
+  const double displacement = duration_s * max_approach_m_s(a, b);
   if (!(displacement > kFastPairThicknesses * (thickness_m(a.shape) + thickness_m(b.shape)))) return 1.0;
   const double turn = displacement / std::min(a.shape.bounding_radius_m, b.shape.bounding_radius_m);
   return std::ceil(std::min<double>(kMaxDetections, turn / kMaxTurn_rad));
@@ -123,11 +119,11 @@ StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_
     if (!other || other->asleep || contact.owner->asleep) continue;
     detections = std::max(detections, detections_of_pair(*contact.owner, *other, duration_s));
   }
-  if (without(Mechanism::DetectionsBySpeed)) detections = 1.0;
+  if (without("detections_by_speed")) detections = 1.0;
   const int manifolds = std::max(1, static_cast<int>(island.contacts.size()));
-  plan.detections = std::clamp(kMaxManifoldDetections / manifolds, 1, static_cast<int>(detections));
+  plan.detections = std::clamp(kMaxManifoldSteps / manifolds, 1, static_cast<int>(detections));
   const int most = std::min(kMaxSteps, kMaxManifoldSteps / manifolds);
-  if (plan.detections > 1 || most <= usual_steps || without(Mechanism::StepsByLoad)) return plan;
+  if (plan.detections > 1 || most <= usual_steps || without("steps_by_load")) return plan;
   const double needed = std::ceil(std::sqrt(worst_sag(island, gravity_m_s2, duration_s)));
   plan.steps = static_cast<int>(std::clamp<double>(needed, usual_steps, most));
   return plan;

@@ -74,10 +74,7 @@ struct ElasticObject {
   // Ids (body_id_of, ascending) of bodies in contact during the last tick while awake. They sleep and wake
   // together.
   std::vector<uint64_t> contacts_last_tick, contacts_this_tick;
-  // Sums over the tick, from all contacts.
-  double contact_impulse_n_s = 0;
-  Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();
-  double last_tick_contact_impulse_n_s = 0;  // contact_impulse_n_s of the last tick
+  double last_tick_contact_impulse_n_s = 0;  // from all contacts of the last tick
 };
 
 struct WorldObject {

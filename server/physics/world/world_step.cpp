@@ -120,11 +120,8 @@ void World::State::report_contacts() {
       report(id, impulse, moment);
     } else if (ElasticObject* elastic = object.elastic()) {
       const ContactTotal total = elastic->body->take_contact_total();
-      elastic->contact_impulse_n_s += total.impulse_n_s;
-      elastic->contact_moment += total.moment;
-      elastic->last_tick_contact_impulse_n_s = std::exchange(elastic->contact_impulse_n_s, 0.0);
-      report(id, elastic->last_tick_contact_impulse_n_s,
-             std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
+      elastic->last_tick_contact_impulse_n_s = total.impulse_n_s;
+      report(id, total.impulse_n_s, total.moment);
     }
   }
 }

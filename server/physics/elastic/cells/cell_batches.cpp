@@ -125,6 +125,7 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
     return true;
   });
   result.full_inverse_mass = heaviest_inverse_mass(inverse_masses);
+  static_assert(kCellColours == kLatticeColours);
   for (int colour = 0; colour < kCellColours; ++colour) {
     result.colours.full_begin[colour] = result.full.size();
     result.colours.cut_begin[colour] = result.cut.size();

@@ -166,7 +166,7 @@ void CellsBody::regularise_node_masses() {
   const std::vector<double> own_kg = masses_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
     before += own_kg[i];
-    if (!without(Mechanism::LightNodeMass) && own_kg[i] < kMinNodeMassRatio * own_kg[parents[i]]) {
+    if (!without("light_node_mass") && own_kg[i] < kMinNodeMassRatio * own_kg[parents[i]]) {
       masses_kg_[i] = kMinNodeMassRatio * own_kg[parents[i]];
       light_nodes_.push_back(
           {i, parents[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(parents[i])});
@@ -339,8 +339,7 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
 
   std::mt19937_64 random(description.cells.scramble);
   const auto anywhere = [&] { return 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0; };
-  Vector3d rest_centre = Vector3d::Zero();
-  for (size_t i = 0; i < count; ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  const Vector3d rest_centre = rest_centre_m();
   origin_m_ = holding_.world_from_object * rest_centre;
   const Matrix3d world_from_rest = orientation_.toRotationMatrix() * description.initial_deformation;
   if (!description.particle_velocities_m_s.empty()) {
@@ -398,12 +397,7 @@ void CellsBody::restart_motion() {
   ledger_.motion = body_momentum(positions, velocities, masses_kg_);
   ledger_.step_orientation = orientation_;
   use_material_inertia();
-  ledger_.momentum_before = ledger_.motion.momentum;
-  ledger_.angular_before = ledger_.motion.angular_momentum;
-  ledger_.velocity_correction.setZero();
-  ledger_.spin_correction.setZero();
-  ledger_.contact_lag_m.setZero();
-  ledger_.between_steps_impulse.setZero();
+  ledger_.restart();
   colliders_.margin_m = 0.0;
   bodies_.revision = new_revision();
   step_.first = true;
@@ -448,9 +442,7 @@ RestBody CellsBody::rest_body() const {
 }
 
 void CellsBody::write_drivers(ObjectDrivers& drivers) const {
-  drivers.object_id = object_id_;
   drivers.kind = DriverKind::Lattice;
-  drivers.asleep = asleep();
   drivers.neighbours = neighbours_;
   drivers.poses.clear();
   drivers.rotations.clear();

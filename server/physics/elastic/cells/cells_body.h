@@ -21,7 +21,8 @@
 //   regions   prescribed motion of held nodes; loads                            cells_regions.cpp
 //   sweep     elasticity, cell by cell; corrections start at zero               kernels/cell_kernels.h
 //   regions   held particles that are not fixed by their nodes                  cells_regions.cpp
-//   contact   two-way, with rigid and elastic bodies                            cells_dynamic_contact.cpp
+//   contact   two-way, with rigid bodies and with elastic bodies      cells_rigid_contact.cpp,
+//   cells_elastic_contact.cpp
 //             surface points against colliders, after elasticity, so that no    cells_contact.cpp
 //             penetration remains
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
@@ -30,10 +31,6 @@
 // and sleep (cells_sleep.cpp). A tick can also be stepped elsewhere (cells_flat.cpp).
 
 namespace livegs {
-
-// Strain |S - I|² of a cell, including bending, above which it is overstrained in contact or after plastic
-// flow.
-inline constexpr double kOverstrainSquared = 1.0;
 
 class CellsBody final : public ElasticBody, public FlatBody {
   using Vector3d = Eigen::Vector3d;
@@ -206,11 +203,13 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void list_boxes() const;
   void push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
   void settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
+  void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
+  double node_speed_m_s() const;  // relative to the centre of mass: a bound for nearly all nodes
+  void start_from_last_force(ContactConstraint& row) const;
+  // cells_rigid_contact.cpp
   template <class Visit>
   void visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const;
-  void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   bool may_touch_awake(const SubstepContext& context) const;
-  double node_speed_m_s() const;  // relative to the centre of mass: a bound for nearly all nodes
   void find_rigid_candidates(const SubstepContext& context, double speed_m_s);
   std::vector<char> update_rigid_contacts(const SubstepPart& part, const SubstepContext& context);
   void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
@@ -220,15 +219,15 @@ class CellsBody final : public ElasticBody, public FlatBody {
   bool folds_on(const RigidProxy& body) const;
   void collide_rigid_points(RigidProxy& body, const RigidContacts& contacts, ContactParticipant& participant,
                             std::vector<ContactConstraint>& rows);
-  void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
+  // cells_elastic_contact.cpp
   bool lists_first(const CellsBody& other) const;
+  const ElasticContacts* contacts_listed_with(const CellsBody& other) const;
+  void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
   void remove_redundant(const CellsBody& other, const ElasticContacts& first,
                         ElasticContacts& contacts) const;
-  const ElasticContacts* contacts_listed_with(const CellsBody& other) const;
-  void list_pairs(bool first, double h, const SubstepContext& context, std::vector<ContactConstraint>& rows);
   void collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
                                     std::vector<ContactConstraint>& rows);
-  void start_from_last_force(ContactConstraint& row) const;
+  void list_pairs(bool first, double h, const SubstepContext& context, std::vector<ContactConstraint>& rows);
   // cells_stuck_contacts.cpp
   StuckContact& stuck_contact(uint64_t body_id);
   bool is_separating() const;  // from any body

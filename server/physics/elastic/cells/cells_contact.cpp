@@ -6,6 +6,7 @@
 
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
+#include "physics/elastic/cells/contact_margins.h"
 #include "physics/elastic/contact_constraints.h"
 
 namespace livegs {
@@ -13,8 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Minimum margin of the candidate search, in cell widths.
-constexpr double kColliderCandidateRoom = 0.5;
 // Minimum mobility of a point of a partly held body, relative to the mobility without held nodes. Below it
 // the mobility is 0: the few free nodes would move many times as far as the point, or by rounding only.
 constexpr double kMinMobilityRatio = 1e-2;
@@ -39,7 +38,7 @@ CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
 void CellsBody::find_candidates(const SubstepContext& context) {
   const double speed = ledger_.motion.velocity_m_s().norm() + reach_m_ * step_.spin_rad_s +
                        4.0 * step_.deviation_m_s + context.gravity_m_s2.norm() / accuracy_.rate_hz;
-  const double margin = std::max(kColliderCandidateRoom * lattice_.cell_width_m, speed / accuracy_.rate_hz);
+  const double margin = std::max(kCandidateRoom * lattice_.cell_width_m, speed / accuracy_.rate_hz);
   colliders_.margin_m = margin;
   colliders_.count = context.colliders.size();
   colliders_.candidates.clear();
@@ -76,7 +75,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     NodeSample sample = surface_.points[i];
     Side& side = colliders_.sides[i];
     Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
-    const bool met = side.collider == collider_index && !without(Mechanism::ColliderSide);
+    const bool met = side.collider == collider_index && !without("collider_side");
     const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
     SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
     const double patch_depth = patch_depth_m(i);

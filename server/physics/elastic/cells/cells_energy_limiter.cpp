@@ -16,7 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMinStrainSquared = 0.25;  // |S - I|² of the worst cell, including bending
 // Tolerated gain relative to the energy without that of flight. It is larger in contact, because the measured
 // energy of a pressed or held body is temporarily too high.
 constexpr double kMaxGainFree = 0.003, kMaxGainTouching = 0.3;
@@ -84,13 +83,13 @@ double CellsBody::elastic_f32_j() const {
 
 // Runs once per frame, before other changes between frames. False: the state is lost.
 bool CellsBody::limit_energy() {
-  if (without(Mechanism::EnergyLimiter)) return true;
+  if (without("energy_limiter")) return true;
   const bool touched = std::exchange(limiter_.touched_last_frame, step_.touching) || step_.touching;
   const double work_j = std::exchange(limiter_.work_j, 0.0);
   const bool unknown =
       rest_.driven || holding_.moved || recovery_.recovering || is_separating() || !loads_.regions.empty();
   if (accuracy_.resolution.courant > kMaxCourant ||
-      std::max(step_.strain_squared, step_.bent_squared) < kMinStrainSquared) {
+      std::max(step_.strain_squared, step_.bent_squared) < kStrainedSquared) {
     limiter_.limit_j.reset();
     return true;
   }

@@ -55,8 +55,7 @@ const char* CellsBody::flat_obstacle() const {
 void CellsBody::write_flat(FlatLattice& lattice) {
   lattice = {};
   lattice.node_count = nodes_.count();
-  constexpr uint32_t kNone = UINT32_MAX;
-  uint32_t full_row = kNone;
+  uint32_t full_row = UINT32_MAX;
   std::vector<size_t> row_cells;  // a cell of each row
   for (uint32_t i = 0; i < lattice_.cells.size(); ++i) {
     const CellPlace& at = batches_.places[i];
@@ -65,7 +64,7 @@ void CellsBody::write_flat(FlatLattice& lattice) {
     std::copy(lattice_.cells[i].nodes.begin(), lattice_.cells[i].nodes.end(), cell.nodes);
     cell.colour = colour_of(lattice_, i);
     cell.constants = full_row;
-    if (at.kind == CellPlace::Kind::Cut || full_row == kNone) {
+    if (at.kind == CellPlace::Kind::Cut || full_row == UINT32_MAX) {
       cell.constants = static_cast<uint32_t>(lattice.constants.size());
       if (at.kind == CellPlace::Kind::Full) full_row = cell.constants;
       row_cells.push_back(i);

@@ -84,8 +84,7 @@ void CellsBody::use_material_inertia() {
 // from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
 // pull on r is G W G r, W = w² - w w^T.
 Matrix3d CellsBody::centrifugal_correction() const {
-  if (without(Mechanism::CentrifugalCorrection) || !free() || ledger_.map_share == 0.0)
-    return Matrix3d::Zero();
+  if (without("centrifugal_correction") || !free() || ledger_.map_share == 0.0) return Matrix3d::Zero();
   const Matrix3d map = moment_map_now();
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();

@@ -24,7 +24,6 @@ constexpr double kMinDeterminant = 0.1, kRecoveredDeterminant = 0.8;
 constexpr double kRecoveryDelay_s = 0.5;  // most tangles resolve on their own within this time
 // Rate of the blend to the rigid shape; doubles after each kRecoveryDelay_s of recovery.
 constexpr double kBlendRate_per_s = 12.0;
-constexpr double kMaxDoublings = 10.0;
 constexpr double kMaxEnergyGain = 1.5;              // per frame of recovery, relative to the elastic energy
 constexpr double kMinRecoveryStrainSquared = 0.01;  // |S - I|² of the worst cell
 constexpr double kMinOverstrainedFraction = 0.02;   // of the volume; excludes loose ends of leaves
@@ -66,7 +65,7 @@ double CellsBody::overstrained_volume_fraction() const {
       const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_.modes[i][j]) : shape.modes[j];
       squared += fold * bent.squaredNorm();
     }
-    if (squared > kOverstrainSquared) overstrained_m3 += lattice_.cells[i].volume_m3;
+    if (squared > kOverstrainedSquared) overstrained_m3 += lattice_.cells[i].volume_m3;
   }
   return overstrained_m3 / volume_m3_;
 }
@@ -83,7 +82,7 @@ double CellsBody::thickness_m() const {
 }
 
 void CellsBody::recover_shape(double frame_s) {
-  if (!recovery_.degenerate || without(Mechanism::ShapeRecovery)) return;
+  if (!recovery_.degenerate || without("shape_recovery")) return;
   // No recovery under load or sag: the strain is then legitimate.
   const double youngs_modulus_pa = materials_.cells.materials[0].youngs_modulus_pa,
                weight_n = mass_kg_ * step_.gravity_m_s2;
@@ -100,9 +99,7 @@ void CellsBody::recover_shape(double frame_s) {
     recovery_.recovering = false;  // otherwise plastic flow would stay off while a hand holds the body
     return;
   }
-  Vector3d rest_centre = Vector3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i)
-    rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  const Vector3d rest_centre = rest_centre_m();
   Matrix3d match = Matrix3d::Zero(), rest = Matrix3d::Zero();
   for (size_t i = 0; i < masses_kg_.size(); ++i) {
     const Vector3d r = lattice_.node_position_m(i) - rest_centre;
@@ -121,7 +118,7 @@ void CellsBody::recover_shape(double frame_s) {
   const bool limp = step_.touching && sag * slender * slender > kMaxSag;
   const bool wild = step_.touching || flowed;
   const bool strained =
-      step_.bent_squared > (wild ? kOverstrainSquared : kMinRecoveryStrainSquared) + 4.0 * spun * spun &&
+      step_.bent_squared > (wild ? kOverstrainedSquared : kMinRecoveryStrainSquared) + 4.0 * spun * spun &&
       (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
   if (!recovery_.recovering) {
     if ((limp || upright > kRecoveredDeterminant) && !strained) recovery_.degenerate = false;
@@ -133,10 +130,7 @@ void CellsBody::recover_shape(double frame_s) {
                                                                           : -1.0;
     recovery_.degenerate_s = std::max(0.0, recovery_.degenerate_s + weight * frame_s);
     recovery_.recovering = recovery_.degenerate_s > kRecoveryDelay_s;
-    if (recovery_.recovering) {
-      ++recovery_.count;
-      if (flowed) discard_plastic_flow();
-    }
+    if (recovery_.recovering && flowed) discard_plastic_flow();
   }
   if (!recovery_.recovering) return;
   if ((limp || upright > kRecoveredDeterminant) && !strained) {
@@ -147,7 +141,7 @@ void CellsBody::recover_shape(double frame_s) {
   // Blends positions to the rigid shape about the centre and sets a rigid motion with the same momentum and
   // angular momentum. The rate grows, because folds of thin sheets can snap back between frames.
   recovery_.degenerate_s += frame_s;
-  const double doublings = std::min(recovery_.degenerate_s / kRecoveryDelay_s - 1.0, kMaxDoublings);
+  const double doublings = recovery_.degenerate_s / kRecoveryDelay_s - 1.0;
   const double part = 1.0 - std::exp(-kBlendRate_per_s * std::exp2(doublings) * frame_s);
   const Matrix3d rotation = nearest_rotation(fit);
   const Vector3d velocity = ledger_.motion.velocity_m_s(), l = ledger_.motion.angular_momentum,

@@ -65,7 +65,7 @@ void CellsBody::rest(double frame_s) {
   const bool unstrained = free() && rest_.may_rest && !step_.touching && !rest_.forced && !is_separating() &&
                           loads_.regions.empty() && step_.strain_squared < kVisibleStrain * kVisibleStrain;
   rest_.unstrained_s = unstrained ? rest_.unstrained_s + frame_s : 0.0;
-  if (rest_.unstrained_s >= kUnstrainedTime_s && !without(Mechanism::RigidWhenUnstrained)) {
+  if (rest_.unstrained_s >= kUnstrainedTime_s && !without("rigid_when_unstrained")) {
     become_rigid();
     return;
   }
@@ -73,7 +73,7 @@ void CellsBody::rest(double frame_s) {
   // Bodies resting on others jitter too much for that test.
   const bool measured = holding_.held || !loads_.regions.empty();
   const bool moves = rest_.forced || rest_.driven || is_separating() ||
-                     (measured && !without(Mechanism::DriftTest) && !is_stationary(frame_s));
+                     (measured && !without("drift_test") && !is_stationary(frame_s));
   const double still_m = std::min(kStillDistance_m, kStillShare * (extent_.max_m - extent_.min_m).maxCoeff());
   const bool moved = moves || !rest_.supported || has_moved(measured ? still_m / kStationaryFactor : still_m);
   if (rest_.sleep_timer.tick(frame_s, moved ? INFINITY : 0.0, rest_.supported, moves)) sleep();
@@ -174,12 +174,7 @@ void CellsBody::sleep() {
   nodes_.stop();
   ledger_.motion.momentum.setZero();
   ledger_.motion.angular_momentum.setZero();
-  ledger_.momentum_before.setZero();
-  ledger_.angular_before.setZero();
-  ledger_.velocity_correction.setZero();
-  ledger_.spin_correction.setZero();
-  ledger_.contact_lag_m.setZero();
-  ledger_.between_steps_impulse.setZero();
+  ledger_.restart();
   step_.deviation_m_s = 0.0;
   step_.first = true;
 }
@@ -249,12 +244,7 @@ void CellsBody::become_elastic() {
   // The rotations of the sweep are out of date. The strain is negligible, so all are set to the body's
   // rotation.
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
-  ledger_.momentum_before = ledger_.motion.momentum;
-  ledger_.angular_before = ledger_.motion.angular_momentum;
-  ledger_.velocity_correction.setZero();
-  ledger_.spin_correction.setZero();
-  ledger_.contact_lag_m.setZero();
-  ledger_.between_steps_impulse.setZero();
+  ledger_.restart();
   rest_.unstrained_s = 0.0;
   colliders_.margin_m = 0.0;
   bodies_.revision = new_revision();

@@ -123,6 +123,14 @@ struct MomentumLedger {
   Vector3d between_steps_impulse = Vector3d::Zero();  // received between the last step and this one
   Vector3d contact_lag_m = Vector3d::Zero();          // lag of the centre of mass behind the contact impulses
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
+
+  // After a change of the motion between steps: the next step starts from `motion`, without corrections.
+  void restart() {
+    momentum_before = motion.momentum;
+    angular_before = motion.angular_momentum;
+    for (Vector3d* one : {&velocity_correction, &spin_correction, &contact_lag_m, &between_steps_impulse})
+      one->setZero();
+  }
 };
 
 struct SurfaceCell {
@@ -287,7 +295,6 @@ struct EnergyLimiter {
 struct ShapeRecovery {
   bool degenerate = false, recovering = false;
   double degenerate_s = 0.0;
-  int count = 0;  // number of shape recoveries
 };
 
 // State of a body that moves as a rigid body because it does not deform visibly.

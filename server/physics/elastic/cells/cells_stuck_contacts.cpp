@@ -74,10 +74,10 @@ void CellsBody::update_stuck_contacts(double frame_s) {
       // First moment of the impulses about the mean contact point.
       const double apart =
           one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
-      const bool stuck = (apart > 0.0 || step_.bent_squared > kOverstrainSquared) &&
+      const bool stuck = (apart > 0.0 || step_.bent_squared > kOverstrainedSquared) &&
                          one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
-      one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without(Mechanism::StuckContacts);
+      one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without("stuck_contacts");
       if (one.separating)
         log_debug("object %u: stuck on object %u; contact is off until they are apart", object_id_,
                   object_of_body(one.body_id));

@@ -115,9 +115,7 @@ RestBody LivegsV1Body::rest_body() const {
 }
 
 void LivegsV1Body::write_drivers(ObjectDrivers& drivers) const {
-  drivers.object_id = object_id_;
   drivers.kind = DriverKind::Particles;
-  drivers.asleep = asleep();
   drivers.poses.clear();
   drivers.positions_m.resize(positions_m_.size());
   drivers.rotations.resize(positions_m_.size());

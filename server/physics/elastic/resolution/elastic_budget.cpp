@@ -19,12 +19,11 @@ double cost_of_all(std::span<const ResolutionRequest> requests, double share) {
 }  // namespace
 
 double fair_share(std::span<const ResolutionRequest> requests, double budget_node_substeps) {
-  constexpr double kCapFactor = 0.9;
   const double whole = std::numeric_limits<double>::infinity();
   if (requests.empty() || cost_of_all(requests, whole) <= budget_node_substeps) return whole;
   const double equal = budget_node_substeps / static_cast<double>(requests.size());
   double share = budget_node_substeps;
-  while (share > equal && cost_of_all(requests, share) > budget_node_substeps) share *= kCapFactor;
+  while (share > equal && cost_of_all(requests, share) > budget_node_substeps) share *= 0.9;
   return std::max(share, equal);
 }
 

@@ -81,7 +81,6 @@ double mean_pass_compliance(const Lattice& lattice, std::span<const double> inve
 }
 
 double thin_part(const Lattice& lattice, bool loose) {
-  constexpr double kAlong = 0.98;  // cos of 11 degrees
   double thin_m3 = 0.0, all_m3 = 0.0;
   for (const LatticeCell& cell : lattice.cells) {
     all_m3 += cell.volume_m3;
@@ -89,7 +88,7 @@ double thin_part(const Lattice& lattice, bool loose) {
     const Eigen::Vector3d& variance = cell.thin->variance_m2;
     const bool sheet = variance[1] * variance[1] > variance[0] * variance[2];
     const double along = cell.thin->axes.col(sheet ? 0 : 2).cwiseAbs().maxCoeff();
-    if (loose || along < kAlong) thin_m3 += cell.volume_m3;
+    if (loose || along < 0.98) thin_m3 += cell.volume_m3;
   }
   return all_m3 > 0.0 ? thin_m3 / all_m3 : 0.0;
 }

@@ -5,15 +5,14 @@
 #include <array>
 #include <cmath>
 
+#include "physics/collision/contact_candidate.h"
+
 namespace livegs {
 namespace {
 
 // Depth differences below this fraction of the smaller bounding radius count as equal. A resting face is then
 // supported by its corners, independent of rounding.
 constexpr double kEqualDepth = 0.002;
-// Relative motion, as a fraction of the smaller bounding radius, below which contacts are reused: a tenth of
-// the margin of detection.
-constexpr double kReuseTolerance = 0.1 * kContactMargin;
 
 using Chosen = std::vector<const ContactCandidate*>;
 
@@ -73,7 +72,7 @@ Chosen spread_points(Chosen group, double equal_depth_m) {
 // Manifold of the previous substep that this one continues.
 const ContactManifold* previous_manifold(const RigidBody& body, const ContactManifold& manifold) {
   const ContactManifold* best = nullptr;
-  double best_cosine = kManifoldNormalCosine;
+  double best_cosine = kSameDirectionCosine;
   for (const ContactManifold& earlier : body.previous_manifolds) {
     if (earlier.other_id != manifold.other_id) continue;
     const double cosine = earlier.normal.dot(manifold.normal);
@@ -148,7 +147,7 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair) {
   if (!earlier) return false;
   const RigidBody& other = *earlier->other;
   const Pose relative = first_from_other(body, other);
-  const double tolerance = kReuseTolerance * pair.size_m;
+  const double tolerance = 0.1 * kContactMargin * pair.size_m;  // below it, contacts are reused
   const double turn = 2.0 * (relative.orientation.conjugate() * earlier->found_turn).vec().norm();
   if ((relative.position_m - earlier->found_shift_m).squaredNorm() > tolerance * tolerance ||
       turn * pair.size_m > tolerance) {
@@ -186,7 +185,7 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
     if (taken[seed]) continue;
     Chosen group;
     for (size_t i = seed; i < candidates.size(); ++i) {
-      if (taken[i] || candidates[i].normal.dot(candidates[seed].normal) < kManifoldNormalCosine) continue;
+      if (taken[i] || candidates[i].normal.dot(candidates[seed].normal) < kSameDirectionCosine) continue;
       taken[i] = 1;
       group.push_back(&candidates[i]);
     }

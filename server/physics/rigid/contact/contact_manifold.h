@@ -26,10 +26,6 @@ struct ContactPair {
 // motion since detection is below a thousandth of the size. Returns whether it did.
 bool reuse_manifold(RigidBody& body, const ContactPair& pair);
 
-// Cosine of 30 degrees. Points whose normal is within this angle of the deepest point's belong to one
-// manifold.
-inline constexpr double kManifoldNormalCosine = 0.866;
-
 // Groups candidates into manifolds of at most four points (the deepest, then the widest spread) and appends
 // them to body.manifolds. Impulses of matching features in body.previous_manifolds are carried over. Sorts
 // `candidates` in place.

@@ -10,7 +10,6 @@
 namespace livegs {
 namespace {
 
-constexpr double kContactCycles = 0.25;   // contact spring periods per step; larger: overlaps bounce
 constexpr double kContactDamping = 10.0;  // damping ratio; smaller: faster overlap correction, more bounce
 
 // Steps of acceleration that an impact is faster than. Smaller: pressed bodies count as struck.
@@ -87,7 +86,7 @@ double impact_speed_m_s(const ContactManifold& manifold, double acceleration_m_s
   return std::max(manifold.restitution_speed_m_s, kImpactSteps * step_s * acceleration_m_s2);
 }
 
-double contact_rate_rad_s(double step_s) { return 2.0 * std::numbers::pi * kContactCycles / step_s; }
+double contact_rate_rad_s(double step_s) { return 0.5 * std::numbers::pi / step_s; }
 
 ContactSoftness contact_softness(double step_s) {
   const double omega = contact_rate_rad_s(step_s);

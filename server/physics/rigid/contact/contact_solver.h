@@ -8,10 +8,6 @@
 
 namespace livegs {
 
-// Contact margin, as a fraction of the smaller bounding radius: closer surfaces are in contact at any speed.
-// Larger: more contacts are kept. Smaller: contacts of resting bodies flicker.
-inline constexpr double kContactMargin = 0.01;
-
 // Soft constraint: bias rate (1/s), and scale factors of the effective mass and of the accumulated impulse
 // per solve. Catto 2024, Solver2D: soft step.
 struct ContactSoftness {

@@ -27,36 +27,6 @@ struct Motion {
   Eigen::Vector3d velocity_m_s, angular_momentum, angular_velocity_rad_s;
 };
 
-// Impulses of a manifold at rest, kept for the warm start of the step.
-struct RestingImpulses {
-  std::array<double, kMaxManifoldPoints> points_n_s{};
-  std::array<Eigen::Vector3d, kMaxManifoldPoints> point_frictions_n_s;
-  Eigen::Vector3d friction_n_s;
-  double twist = 0.0;
-};
-
-RestingImpulses take_impulses(ContactManifold& manifold) {
-  RestingImpulses resting;
-  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
-    resting.points_n_s[static_cast<size_t>(i)] = std::exchange(point.impulse_n_s, 0.0);
-    resting.point_frictions_n_s[static_cast<size_t>(i)] = std::exchange(point.friction_impulse_n_s, none);
-  }
-  resting.friction_n_s = std::exchange(manifold.friction_impulse_n_s, none);
-  resting.twist = std::exchange(manifold.twist_impulse, 0.0);
-  return resting;
-}
-
-void put_back(ContactManifold& manifold, const RestingImpulses& resting) {
-  for (int i = 0; i < manifold.point_count; ++i) {
-    manifold.points[i].impulse_n_s = resting.points_n_s[static_cast<size_t>(i)];
-    manifold.points[i].friction_impulse_n_s = resting.point_frictions_n_s[static_cast<size_t>(i)];
-  }
-  manifold.friction_impulse_n_s = resting.friction_n_s;
-  manifold.twist_impulse = resting.twist;
-}
-
 // Fraction of the impulses since `before` with which kinetic energy does not grow: E(s) = before + s linear +
 // s² square.
 double fraction_within_energy(std::span<RigidBody* const> bodies, std::span<const Motion> before) {
@@ -145,9 +115,10 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
 
   std::vector<Motion> before(island.bodies.size());
   for (int round = 0; round < kMaxImpactRounds && !closing.empty(); ++round) {
-    std::vector<RestingImpulses> resting;
+    std::vector<ContactManifold> resting;  // impulses for the warm start of the step
     for (const RigidIsland::Contact* contact : closing) {
-      resting.push_back(take_impulses(*contact->manifold));
+      resting.push_back(*contact->manifold);
+      scale_impulses(*contact->manifold, 0.0);
       rows_of(contact).friction.clear();
     }
     for (size_t i = 0; i < before.size(); ++i) {
@@ -173,7 +144,7 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
       store_friction(manifold, rows_of(closing[i]));
       if (part < 1.0) scale_impulses(manifold, part);
       record_impulses(*closing[i]->owner, manifold, ImpulseKind::Impact, remaining_s);
-      put_back(manifold, resting[i]);
+      manifold = resting[i];
     }
     find_closing(kPassedOn * fastest_m_s);
   }

@@ -21,10 +21,7 @@ constexpr double kSeparationRounding = 1e-9;
 
 // Maximum approach of points of two bodies during the search.
 double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
-  const double motion = search.duration_s * ((a.velocity_m_s - b.velocity_m_s).norm() +
-                                             a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
-                                             b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m);
-  return motion + search.margin_m;
+  return search.duration_s * max_approach_m_s(a, b) + search.margin_m;
 }
 
 // Whether the oriented boxes of `a` and `b` are farther apart than `reach_m`, tested in the axes of `b`.

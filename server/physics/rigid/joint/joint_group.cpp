@@ -29,8 +29,7 @@ struct CurvatureLimits {
 constexpr double kMinCurvatureChange = 1e-9;  // smaller differences, relative to the path, are ignored
 constexpr CurvatureLimits kCurvatureInSubstep{0.7, 0.1}, kCurvatureInSmallStep{0.3, 0.02};
 // Small steps of a group per substep: enough that links neither oscillate under tension nor rotate by more
-// than these limits, rad, per step. Oscillation above 2 would be unstable.
-constexpr double kMaxSwing = 1.0;
+// than this, rad, per step. Oscillation of at most 1 rad per step; above 2 it would be unstable.
 constexpr double kMaxTurn = 0.25;
 // Larger: longer chains at high tension are resolved, more time.
 constexpr int kMaxSmallSteps = 4;
@@ -497,8 +496,7 @@ int JointGroup::small_steps(double substep_s) {
   }
   double fastest = 0.0;  // (h omega)^2
   for (size_t i = 0; i < bodies_.size(); ++i) {
-    mass_factors_[i] =
-        substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm() / (kMaxSwing * kMaxSwing);
+    mass_factors_[i] = substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm();
     fastest = std::max(fastest, mass_factors_[i]);
   }
   const double wanted = std::max(std::sqrt(fastest), turn * substep_s / kMaxTurn);

@@ -249,7 +249,6 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
 
 // Squared strain, including bending, between which a thin cell blends from the compensated response to the
 // isotropic recovery.
-constexpr float kRecoveryStrainStart = 0.25f, kRecoveryStrainEnd = 1.0f;
 
 // Solves all eighteen measures at once; the energy is quadratic in them, so there is no volume row.
 template <bool kPaired, bool kPlastic>
@@ -297,7 +296,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   // Recovery of extremely stretched cells. Such a cell would rotate by a radian per step, and its measures
   // with it. It is instead pulled straight to rest with the same energy by an isotropic response, which does
   // not depend on the rotation.
-  if (__builtin_expect(any_above(strain, kRecoveryStrainStart), false)) {
+  if (__builtin_expect(any_above(strain, kStrainedSquared), false)) {
     const Lanes one = all_lanes(1.0f), zero = all_lanes(0.0f);
     Lanes inverse = inverse_mass[0], energy = zero;
     for (int c = 1; c < 8; ++c) inverse += inverse_mass[c];
@@ -309,8 +308,8 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
           by_mode = all_lanes(8.0f) / (used ? inverse : one);
     const Lanes alike = by_strain * dot(lack, lack) + by_mode * bent;
     const Lanes scale = energy < alike ? energy / alike : one;
-    Lanes part = (strain - all_lanes(kRecoveryStrainStart)) *
-                 all_lanes(1.0f / (kRecoveryStrainEnd - kRecoveryStrainStart));
+    Lanes part =
+        (strain - all_lanes(kStrainedSquared)) * all_lanes(1.0f / (kOverstrainedSquared - kStrainedSquared));
     part = part > zero ? (part < one ? part : one) : zero;
     const Lanes own = (one - part) * (one + (gains.relief - one) * part);
     by_strain *= part * scale;

@@ -11,6 +11,11 @@
 
 namespace livegs {
 
+// Strains |S - I|² of a cell, including bending. From the first on, a body takes steps of first order and its
+// energy is limited, and the sweep begins to blend to its law of recovery; at the second, the blend is
+// complete and a cell counts as overstrained in contact or after plastic flow.
+inline constexpr float kStrainedSquared = 0.25f, kOverstrainedSquared = 1.0f;
+
 // Eight cells of one parity colour, which share no node. Unused lanes are cells without stiffness on the
 // spare nodes. A full cell between nodes of full mass has no constants of its own.
 struct FullCells {
@@ -58,7 +63,7 @@ struct ThinGains {
 
 // Colours are swept in ascending order, or in descending order with `backward`: a fixed order causes a
 // sideways drift.
-inline constexpr int kCellColours = 16;  // parities, and more for cells at one place
+inline constexpr int kCellColours = 16;  // equals kLatticeColours
 struct CellColours {
   // Batch ranges by colour.
   size_t full_begin[kCellColours + 1], cut_begin[kCellColours + 1], thin_begin[kCellColours + 1];
