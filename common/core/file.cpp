@@ -32,7 +32,8 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   const auto size = static_cast<uint64_t>(status.st_size);
   if (size > max_bytes) {
     return Error{ErrorCode::TooLarge, path.string() + ": size is " + std::to_string(size) +
-                                          " bytes; the limit is " + std::to_string(max_bytes)};
+                                          " bytes and the limit " + std::to_string(max_bytes) +
+                                          "; give a smaller file"};
   }
   Container content;
   content.resize(size);
@@ -46,6 +47,28 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   }
   content.resize(done);
   return content;
+}
+
+// Whether the path, its permissions or its disk must change. In other cases another machine or a later time
+// may succeed.
+bool of_user(int reason) {
+  switch (reason) {
+    case EACCES:
+    case EPERM:
+    case EROFS:
+    case ENOENT:
+    case EEXIST:
+    case ENOTDIR:
+    case EISDIR:
+    case ENOTEMPTY:
+    case ENAMETOOLONG:
+    case ELOOP:
+    case EFBIG:
+    case EXDEV:
+      return true;
+    default:
+      return false;
+  }
 }
 
 const char* remedy_of(int reason) {
@@ -62,9 +85,13 @@ const char* remedy_of(int reason) {
       return "give a path on another disk";
     case EEXIST:
     case ENOTDIR:
-      return "a file is in the way: give another path";
+      return "give a path that does not lead through a file";
     case EISDIR:
       return "give the name of a file";
+    case ENOTEMPTY:
+      return "give an empty folder";
+    case EXDEV:
+      return "give a path on the same disk";
     case ENAMETOOLONG:
       return "give a shorter name";
     case EFBIG:
@@ -81,9 +108,8 @@ const char* remedy_of(int reason) {
 
 Error file_error(const std::filesystem::path& path, std::string_view problem, std::error_code reason) {
   const int number = reason.value();
-  const bool of_machine = number == ENOSPC || number == EDQUOT || number == EIO;
   return {
-      of_machine ? ErrorCode::Internal : ErrorCode::PermissionDenied,
+      of_user(number) ? ErrorCode::PermissionDenied : ErrorCode::Internal,
       path.string() + ": " + std::string(problem) + ": " + std::strerror(number) + "; " + remedy_of(number)};
 }
 

@@ -88,7 +88,7 @@ Result<void> RecordingFile::read(uint64_t offset, std::span<std::byte> bytes) co
     if (got < 0)
       return Error{ErrorCode::Internal,
                    path_.string() + ": cannot be read: " + std::strerror(errno) + "; restore it from a copy"};
-    if (got == 0) return invalid_data(path_.string() + ": is truncated");
+    if (got == 0) return invalid_data(path_.string() + ": is truncated; copy the recording again");
     offset += static_cast<uint64_t>(got);
     bytes = bytes.subspan(static_cast<size_t>(got));
   }

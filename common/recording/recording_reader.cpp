@@ -29,8 +29,7 @@ bool parse(Message& message, std::span<const std::byte> bytes) {
 }  // namespace
 
 Error RecordingReader::bad(const std::string& what) const {
-  return with_remedy(invalid_data(file_.path().string() + ": " + what),
-                     "the recording is damaged; copy it again");
+  return with_remedy(invalid_data(file_.path().string() + ": " + what), "copy the recording again");
 }
 
 Result<RecordingReader> RecordingReader::open(const std::filesystem::path& path) {
@@ -64,8 +63,7 @@ Result<std::optional<RecordingReader::Chunk>> RecordingReader::read_chunk(uint64
   if (auto read = file_.read(offset + kChunkHeadBytes, chunk.payload); !read) return read.error();
   uint32_t sum = static_cast<uint32_t>(crc32_z(0, &chunk.kind, 1));
   sum = static_cast<uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(chunk.payload.data()), size));
-  if (sum != check)
-    return bad("is damaged at offset " + std::to_string(offset) + ": wrong checksum; restore it from a copy");
+  if (sum != check) return bad("is damaged at offset " + std::to_string(offset) + ": wrong checksum");
   return std::optional<Chunk>(std::move(chunk));
 }
 

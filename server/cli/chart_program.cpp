@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "cli/commands.h"
-#include "core/file.h"
 
 namespace livegs {
 namespace {
@@ -31,7 +30,8 @@ int run_chart_program(const std::vector<std::string>& arguments) {
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   execv(program.c_str(), pointers.data());
-  return report(file_error(program, "cannot be started"));
+  return report({ErrorCode::Unavailable, program.string() + ": cannot be started: " + std::strerror(errno) +
+                                             "; build the target livegs-chart again"});
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ Result<ElasticCost> known_elastic_cost(Backend& backend, const std::string& devi
       << cost->device_tick_ms << ' ' << cost->device_step_ms << ' ' << cost->device_node_step_ms << ' '
       << cost->cpu_node_step_ms << '\n';
   if (auto written = write_file_atomically(file, out.str()); !written)
-    log_warn("%s; the cost of the device is measured at each start", written.error().message.c_str());
+    log_warn("the cost of the device is measured at each start: %s", written.error().message.c_str());
   return cost;
 }
 

@@ -147,7 +147,7 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
       if (asset && content_hash(bytes) == hash) {
         if (auto written = write_file_atomically(whole, bytes); !written)
           return Error{written.error().code,
-                       written.error().message + "; choose another folder with --cache DIR"};
+                       written.error().message + ", or choose another folder with --cache DIR"};
         std::filesystem::remove(part_path, error);
         return Obtained{std::move(bytes), fetched};
       }

@@ -156,10 +156,10 @@ Result<Capture> check_views(Capture capture, const fs::path& path) {
   const size_t found = capture.views.size();
   if (named > 0 && found == 0)
     return not_found(path.string() + ": none of the " + std::to_string(named) +
-                     " photos exists; the first is " + missing);
+                     " photos exists; the first is " + missing + "; copy the photos next to the poses");
   if (found < kMinCapturedViews) {
-    return invalid_data(format_text("%s: has %zu photos with poses; at least %zu are needed", path.c_str(),
-                                    found, kMinCapturedViews));
+    return invalid_data(format_text("%s: has %zu photos with poses, fewer than %zu; take more photos",
+                                    path.c_str(), found, kMinCapturedViews));
   }
   if (found < named) {
     capture.notes.push_back(format_text("%zu of %zu photos do not exist; the first is %s", named - found,

@@ -51,11 +51,14 @@ Result<AssetFile> read_by_content(Bytes bytes, const std::filesystem::path& fold
 }
 
 Result<AssetFile> finished(Result<AssetFile> file, std::string_view name) {
-  if (!file && file.error().code == ErrorCode::InvalidData)
-    return with_remedy(file.error(), "copy the file again, or export it again");
-  if (!file) return file;
+  const auto refuse = [](const Error& error) {
+    return error.code == ErrorCode::InvalidData
+               ? with_remedy(error, "copy the file again, or export it again")
+               : error;
+  };
+  if (!file) return refuse(file.error());
   const Result<void> established = establish_invariants(*file, name);
-  if (!established) return established.error();
+  if (!established) return refuse(established.error());
   subtract_origin(*file);
   return file;
 }

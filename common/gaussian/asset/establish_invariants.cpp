@@ -94,7 +94,7 @@ Result<void> establish_invariants(AssetFile& file, std::string_view name) {
   if (count == 0) return invalid_data(std::string(name) + ": no kernels");
   if (kept == 0) {
     return invalid_data(std::string(name) + ": none of the " + kernels(count) +
-                        " has finite values in range; is the file damaged?");
+                        " has finite values in range");
   }
   asset.resize(kept);
   if (repairs.dropped)

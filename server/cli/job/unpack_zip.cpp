@@ -52,7 +52,9 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
     std::error_code failed;
     const bool is_folder = name.ends_with('/');
     fs::create_directories(is_folder ? to : to.parent_path(), failed);
-    if (failed) return file_error(to, "cannot be created", failed);
+    if (failed)
+      return Error{ErrorCode::Internal, to.string() + ": cannot be created: " + failed.message() +
+                                            "; set TMPDIR to another folder"};
     tops.insert(*fs::path(name).begin());
     if (is_folder) continue;
     if (!fs::path(name).has_parent_path()) top_files = true;

@@ -18,7 +18,7 @@ void box_features(const BoxShape& box, const Collider& collider, const Eigen::Ve
     const Eigen::Vector3d point((corner & 1) ? half.x() : -half.x(), (corner & 2) ? half.y() : -half.y(),
                                 (corner & 4) ? half.z() : -half.z());
     if ((point - local).norm() <= reach) {
-      features.push_back({2 * kForeignFeature + corner, collider.world_from_collider * point, 0.0});
+      features.push_back({kCornerFeature + corner, collider.world_from_collider * point, 0.0});
     }
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -35,8 +35,7 @@ void box_features(const BoxShape& box, const Collider& collider, const Eigen::Ve
                    high = std::min(half[axis], local[axis] + chord);
       for (int64_t k = static_cast<int64_t>(std::ceil(low / spacing)); k * spacing <= high; ++k) {
         point[axis] = static_cast<double>(k) * spacing;
-        const uint64_t id = 3 * kForeignFeature +
-                            (static_cast<uint64_t>(axis) * 4 + side) * (uint64_t{1} << 26) +
+        const uint64_t id = kEdgeFeature + (static_cast<uint64_t>(axis) * 4 + side) * (uint64_t{1} << 26) +
                             static_cast<uint64_t>(k + (int64_t{1} << 25));
         features.push_back({id, collider.world_from_collider * point, 0.0});
       }
@@ -54,8 +53,7 @@ void ridge_features(const FieldShape& shape, const Collider& collider, const Eig
   for (const uint32_t i : near) {
     const Eigen::Vector3d& point = ridges.points_m[i];
     if ((point - local).norm() > reach) continue;
-    features.push_back(
-        {5 * kForeignFeature + i, collider.world_from_collider * point, shape.half_thickness_m});
+    features.push_back({kRidgeFeature + i, collider.world_from_collider * point, shape.half_thickness_m});
   }
 }
 
@@ -67,7 +65,7 @@ std::vector<ColliderFeature> collider_features(const Collider& collider, const E
   if (const auto* box = std::get_if<BoxShape>(&collider.shape)) {
     box_features(*box, collider, centre_m, reach_m, spacing_m, features);
   } else if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) {
-    features.push_back({4 * kForeignFeature, collider.world_from_collider.position_m, sphere->radius_m});
+    features.push_back({kSphereFeature, collider.world_from_collider.position_m, sphere->radius_m});
   } else if (const auto* field = std::get_if<FieldShape>(&collider.shape); field && field->ridges) {
     ridge_features(*field, collider, centre_m, reach_m, features);
   }

@@ -82,6 +82,7 @@ double inner_radius_m(const RigidShape& shape);
 // body rolls on them and would lose speed at a missing facet. Otherwise vertices at least `spacing_m` apart
 // are kept, the farthest from the origin first; the extremes along 26 directions are always kept. Long edges
 // and large triangles are filled with points `spacing_m` apart.
+// Preconditions: the mesh has a triangle, spacing_m > 0.
 std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m,
                                             size_t max_points = kMaxContactPoints);
 

@@ -12,7 +12,6 @@
 
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/weld_vertices.h"
-#include "physics/collision/contact_candidate.h"
 
 namespace livegs {
 namespace {
@@ -25,6 +24,7 @@ constexpr double kRidgeCells = 0.5;
 constexpr size_t kMaxRidgePoints = 32768;
 // See wall_thickness_m.
 constexpr double kWallThickness_m = 0.004;
+constexpr double kRidgeCosine = 0.866;  // cosine of 30 degrees between the normals of two faces
 
 struct Corner {
   Eigen::Vector3d normal;  // of the triangle, not normalised
@@ -110,7 +110,7 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdge
     if (const auto other = sides.find({b, a}); other != sides.end()) {
       if (a > b) continue;
       const Eigen::Vector3d& normal = other->second.normal;
-      if (one.normal.dot(normal) > kSameDirectionCosine * one.normal.norm() * normal.norm()) continue;
+      if (one.normal.dot(normal) > kRidgeCosine * one.normal.norm() * normal.norm()) continue;
       const bool groove = one.normal.dot(at[other->second.opposite] - at[a]) >= 0.0;
       if (groove && concave_edges == ConcaveEdges::Skip) continue;
     }

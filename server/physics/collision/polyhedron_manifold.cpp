@@ -200,8 +200,8 @@ void polyhedron_contacts(const PlacedPolyhedron& a, const PlacedPolyhedron& b, d
     if (crossing || edges.gap < 0.0) {
       const Vector3d on_a = from_a + std::clamp(s, 0.0, 1.0) * along_a;
       const Vector3d on_b = from_b + std::clamp(t, 0.0, 1.0) * along_b;
-      candidates.push_back({kForeignFeature + (uint64_t{1} << 30) + edges.a * 256 + edges.b,
-                            world(0.5 * (on_a + on_b)), a.rotation * -edges.normal, edges.gap});
+      candidates.push_back({kEdgePair + edges.a * 256 + edges.b, world(0.5 * (on_a + on_b)),
+                            a.rotation * -edges.normal, edges.gap});
       return;
     }
   }

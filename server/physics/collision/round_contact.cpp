@@ -12,8 +12,10 @@ constexpr double kEndCosine = 0.5;
 // Cosine of the largest angle, about the axis, between a mesh point and the lowest line of the side: a facet
 // of a cylinder with 24 segments.
 constexpr double kFacetCosine = 0.966;
-// Points closer than this fraction of the radius are one. Also the sine of the angle between a contact normal
-// and the flat end of a cylinder below which the contact is with the end as a whole.
+// Sine of the angle between a contact normal and the flat end of a cylinder below which the contact is with
+// the end as a whole.
+constexpr double kFlatEnd = 1e-3;
+// Points closer than this fraction of the radius are one.
 constexpr double kSamePoint = 1e-3;
 
 // Moves `point`, which is near the surface, to the exact surface point that faces along `outward`. Returns
@@ -24,7 +26,7 @@ bool move_point(const RoundShape& round, const Pose& pose, const Eigen::Vector3d
   const Eigen::Vector3d from_centre = point - centre;
   const double along = std::clamp(axis.dot(from_centre), -round.half_length_m, round.half_length_m);
   const bool at_end = std::abs(along) > (1.0 - kSamePoint) * round.half_length_m;
-  feature = kForeignFeature + 16 + (at_end ? (along > 0.0 ? 1u : 0u) : 2u);
+  feature = kRoundFeature + (at_end ? (along > 0.0 ? 1u : 0u) : 2u);
   if (round.kind == RoundShape::Kind::Capsule) {
     point = centre + along * axis + round.radius_m * outward;
     return true;
@@ -32,7 +34,7 @@ bool move_point(const RoundShape& round, const Pose& pose, const Eigen::Vector3d
   const double end_cosine = outward.dot(axis);
   const Eigen::Vector3d across = outward - end_cosine * axis;
   const double sine = across.norm();
-  if (sine < kSamePoint) return false;
+  if (sine < kFlatEnd) return false;
   const Eigen::Vector3d lowest = across / sine;
   const Eigen::Vector3d radial = from_centre - axis.dot(from_centre) * axis;
   if (std::abs(end_cosine) > kEndCosine && radial.dot(lowest) < kFacetCosine * round.radius_m) return false;

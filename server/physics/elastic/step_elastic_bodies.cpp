@@ -8,11 +8,6 @@
 #include "physics/elastic/rigid_proxy.h"
 
 namespace livegs {
-namespace {
-
-// Bodies that one thread takes at a time, at least, and parts that the bodies are divided into, at most.
-
-}  // namespace
 
 void step_elastic_bodies(std::span<SteppedBody> bodies) {
   int count = 0;
@@ -31,7 +26,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
 
   const double substep_s = bodies.front().context.duration_s;
   std::vector<ContactConstraint*> rows;
-  // Every body changes only itself, so that few bodies are not worth a second thread.
+  // Every body changes only itself. A thread takes at least 4 at a time: fewer are not worth a second thread.
   const size_t block = std::max<size_t>(4, bodies.size() / 16 + 1);
   const auto for_each_body = [&](const auto& visit) {
     parallel_for(bodies.size(), block, [&](size_t begin, size_t end) {

@@ -19,7 +19,7 @@ constexpr double kMaxSag = 5e-4;
 constexpr double kMaxColumnSag = 0.4;
 // Solver steps of a substep. Larger: less sag at high mass ratios and low rates, more time.
 constexpr int kMaxSteps = 128;
-constexpr int kMaxManifoldSteps = 1024;  // manifolds times solver steps, or times sub-intervals
+constexpr int kMaxManifoldSolves = 1024;  // manifolds times solver steps, or times sub-intervals
 // Minimum cosine between a supporting normal and the vertical.
 constexpr double kSupportCosine = 0.5;
 
@@ -121,8 +121,8 @@ StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_
   }
   if (without("detections_by_speed")) detections = 1.0;
   const int manifolds = std::max(1, static_cast<int>(island.contacts.size()));
-  plan.detections = std::clamp(kMaxManifoldSteps / manifolds, 1, static_cast<int>(detections));
-  const int most = std::min(kMaxSteps, kMaxManifoldSteps / manifolds);
+  plan.detections = std::clamp(kMaxManifoldSolves / manifolds, 1, static_cast<int>(detections));
+  const int most = std::min(kMaxSteps, kMaxManifoldSolves / manifolds);
   if (plan.detections > 1 || most <= usual_steps || without("steps_by_load")) return plan;
   const double needed = std::ceil(std::sqrt(worst_sag(island, gravity_m_s2, duration_s)));
   plan.steps = static_cast<int>(std::clamp<double>(needed, usual_steps, most));

@@ -21,7 +21,6 @@ using Eigen::Vector3d;
 constexpr double kMaxPredictedGravities = 2.0;
 // Margin of the neighbour search, relative to an elastic body's radius, beyond the motion in a substep.
 constexpr double kReachMargin = 0.1;
-// Items that a thread takes at a time.
 
 // An elastic body and another elastic or rigid body, by index.
 struct NearPair {
@@ -134,12 +133,12 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
   std::vector<char> has_pair(count, 0);
   for (const NearPair& pair : pairs)
     has_pair[pair.elastic] = has_pair[pair.rigid ? pair.elastic : pair.other] = 1;
-  parallel_for(count, 4, [&](size_t begin, size_t end) {
+  parallel_for(count, 4 /* a thread */, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (has_pair[i]) elastic_objects[i]->body->prepare_bounds();
     }
   });
-  parallel_for(pairs.size(), 32, [&](size_t begin, size_t end) {
+  parallel_for(pairs.size(), 32 /* a thread */, [&](size_t begin, size_t end) {
     for (NearPair& pair : std::span(pairs).subspan(begin, end - begin)) {
       const ElasticBody& body = *elastic_objects[pair.elastic]->body;
       if (!pair.rigid) {

@@ -138,8 +138,8 @@ std::string SceneDocument::write_journal() {
   const auto text = scene_text(scene_);
   const Result<void> written = text ? write_file_atomically(journal_path(), *text) : text.error();
   return written ? ""
-                 : "the change is not kept if the server is killed: " + written.error().message +
-                       "; save the scene";
+                 : "the change is lost if the server is killed before the scene is saved: " +
+                       written.error().message;
 }
 
 void SceneDocument::note_file_time() {

@@ -13,8 +13,11 @@ Result<v1::PhysicsFile> PhysicsOverrides::change(const OnDisk& on_disk, const In
   if (!file_.empty()) {
     auto changed = on_disk();
     if (changed) proposal_.reset();  // from an earlier failed write
-    if (changed || changed.error().code != ErrorCode::PermissionDenied) return changed;
-    note = changed.error().message + "; the values are kept until the server ends";
+    // The file cannot be written (PermissionDenied), or not now (Internal: no space).
+    if (changed ||
+        (changed.error().code != ErrorCode::PermissionDenied && changed.error().code != ErrorCode::Internal))
+      return changed;
+    note = "the values are kept until the server ends: " + changed.error().message;
     if (auto kept = read_physics_file(file_)) revisions_ = {std::move(*kept)};
     if (!proposal_) proposal_ = open_proposal(read_decisions(file_));
     current_ = 0;

@@ -170,7 +170,9 @@ Result<fs::path> UnpackedFiles::place(const std::string& name) {
   if (known == folders_.end()) known = folders_.emplace(folder, own_folder(folder).string()).first;
   std::error_code error;
   fs::create_directories(folder_ / known->second, error);
-  if (error) return file_error(folder_ / known->second, "cannot be created", error);
+  if (error)
+    return Error{ErrorCode::Internal, (folder_ / known->second).string() + ": cannot be created: " +
+                                          error.message() + "; set TMPDIR to another folder"};
   const std::string path = (fs::path(known->second) / file).string();
   paths_[name] = path;
   return folder_ / path;

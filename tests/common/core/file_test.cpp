@@ -34,7 +34,7 @@ TEST(File, ErrorsContainPathAndReason) {
                 ": cannot be written: No such file or directory; check the path");
   EXPECT_EQ(write_file_atomically(folder / "big" / "a", "x").error().message,
             (folder / "big" / "a").string() +
-                ": cannot be written: Not a directory; a file is in the way: give another path");
+                ": cannot be written: Not a directory; give a path that does not lead through a file");
   const auto full = std::make_error_code(std::errc::no_space_on_device);
   EXPECT_EQ(file_error("a.csv", "cannot be written", full).message,
             "a.csv: cannot be written: No space left on device; free space on its disk");

@@ -21,8 +21,8 @@
 //   regions   prescribed motion of held nodes; loads                            cells_regions.cpp
 //   sweep     elasticity, cell by cell; corrections start at zero               kernels/cell_kernels.h
 //   regions   held particles that are not fixed by their nodes                  cells_regions.cpp
-//   contact   two-way, with rigid bodies and with elastic bodies      cells_rigid_contact.cpp,
-//   cells_elastic_contact.cpp
+//   contact   two-way, with rigid bodies                                     cells_rigid_contact.cpp
+//             two-way, with elastic bodies                                   cells_elastic_contact.cpp
 //             surface points against colliders, after elasticity, so that no    cells_contact.cpp
 //             penetration remains
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger

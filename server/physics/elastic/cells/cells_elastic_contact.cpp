@@ -81,7 +81,7 @@ void CellsBody::remove_redundant(const CellsBody& other, const ElasticContacts& 
   std::vector<SurfaceElement> elements;
   for (const ElasticContacts::Point& touch : first.points)
     elements.push_back({other.place_now_m(touch.own), touch.normal, 0.0, 0});
-  const PointSurface of_first(elements, kElementReach * other.extent_.box_edge_m);
+  const PointSurface of_first(elements, kSurroundingReach * other.extent_.box_edge_m);
   const double room_m = kRowMargin * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
   std::erase_if(contacts.points, [&](const ElasticContacts::Point& touch) {
     const Vector3d place = place_now_m(touch.own);

@@ -207,7 +207,7 @@ void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface
   if (!points.empty()) surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const PointSurface grid(elements, reach + radius);
-  const PointSurface first(surface.points, kElementReach * extent_.box_edge_m);
+  const PointSurface first(surface.points, kSurroundingReach * extent_.box_edge_m);
   std::vector<SurfaceElement> normal_cone;
   for (const auto& [point, displacement, local] : points) {
     auto depth = grid.swept_depth(point, displacement);

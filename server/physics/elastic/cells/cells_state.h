@@ -253,7 +253,8 @@ struct StuckContact {
   bool separating = false, overlaps = false;  // contact is off while separating, until no overlap remains
 };
 
-// Contact with rigid and elastic bodies; cells_dynamic_contact.cpp, cells_stuck_contacts.cpp.
+// Contact with rigid and elastic bodies; cells_dynamic_contact.cpp, cells_rigid_contact.cpp,
+// cells_elastic_contact.cpp, cells_stuck_contacts.cpp.
 struct BodyContacts {
   std::vector<Candidate> rigid_candidates;  // with indices of `rigid`
   double rigid_margin_m = 0.0;              // relative motion of any of them before a new search

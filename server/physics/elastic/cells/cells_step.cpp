@@ -26,8 +26,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Beyond this strain a body takes first-order steps, which dissipate energy; BDF2 would amplify the motion.
-constexpr double kFirstOrderVolumeRatio = 0.2;  // det F
+// Volume ratio det F below which a body takes first-order steps, which dissipate energy, as beyond
+// kStrainedSquared; BDF2 would amplify the motion.
+constexpr double kFirstOrderVolumeRatio = 0.2;
 // Time in which the inertia of the material returns after such a strain. Shorter: a limp body that is
 // strained again and again gains energy from the changes.
 constexpr double kMomentMapReturn_s = 0.5;

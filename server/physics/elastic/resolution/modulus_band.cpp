@@ -88,7 +88,7 @@ double thin_part(const Lattice& lattice, bool loose) {
     const Eigen::Vector3d& variance = cell.thin->variance_m2;
     const bool sheet = variance[1] * variance[1] > variance[0] * variance[2];
     const double along = cell.thin->axes.col(sheet ? 0 : 2).cwiseAbs().maxCoeff();
-    if (loose || along < 0.98) thin_m3 += cell.volume_m3;
+    if (loose || along < 0.98) thin_m3 += cell.volume_m3;  // 11 degrees
   }
   return all_m3 > 0.0 ? thin_m3 / all_m3 : 0.0;
 }

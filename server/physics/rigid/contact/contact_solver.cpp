@@ -86,6 +86,7 @@ double impact_speed_m_s(const ContactManifold& manifold, double acceleration_m_s
   return std::max(manifold.restitution_speed_m_s, kImpactSteps * step_s * acceleration_m_s2);
 }
 
+// A quarter of a spring period per step; larger: overlaps bounce.
 double contact_rate_rad_s(double step_s) { return 0.5 * std::numbers::pi / step_s; }
 
 ContactSoftness contact_softness(double step_s) {

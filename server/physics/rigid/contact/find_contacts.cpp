@@ -202,7 +202,7 @@ bool separate_coincident(const RigidBody& body, const RigidBody& other,
   }
   Eigen::Vector3d out = other.world_from_body.orientation * Eigen::Vector3d::Unit(thinnest);
   if (between.dot(out) < 0.0) out = -out;
-  candidates.push_back({kForeignFeature, body.world_from_body.position_m, out, between.dot(out) - width});
+  candidates.push_back({kBallFeature, body.world_from_body.position_m, out, between.dot(out) - width});
   return true;
 }
 

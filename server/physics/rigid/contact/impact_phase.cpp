@@ -118,7 +118,12 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
     std::vector<ContactManifold> resting;  // impulses for the warm start of the step
     for (const RigidIsland::Contact* contact : closing) {
       resting.push_back(*contact->manifold);
-      scale_impulses(*contact->manifold, 0.0);
+      for (ContactPoint& point : contact->manifold->points) {
+        point.impulse_n_s = 0.0;
+        point.friction_impulse_n_s.setZero();
+      }
+      contact->manifold->friction_impulse_n_s.setZero();
+      contact->manifold->twist_impulse = 0.0;
       rows_of(contact).friction.clear();
     }
     for (size_t i = 0; i < before.size(); ++i) {

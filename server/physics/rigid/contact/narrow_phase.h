@@ -22,9 +22,6 @@ struct ContactSearch {
   double margin_m = 0;    // closer surfaces are in contact at any speed
 };
 
-// The index of the other body's contact point is added.
-inline constexpr uint64_t kOtherPoint = kForeignFeature + (uint64_t{1} << 31);
-
 // A ball of `radius_m` against any surface: the current contact, and the contact ahead of a fast ball.
 // `sample` returns the signed distance at a world point; `marching` times it is a lower bound of the true
 // distance.
@@ -37,7 +34,7 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
   const double gap = here.distance_m - radius_m;
   if (marching * here.distance_m - radius_m > displacement.norm() + search.margin_m) return;
   if (gap < search.margin_m) {
-    candidates.push_back({kForeignFeature, centre_m - radius_m * here.normal, here.normal, gap});
+    candidates.push_back({kBallFeature, centre_m - radius_m * here.normal, here.normal, gap});
   }
   const double slack = displacement.norm() + std::min(0.0, displacement.dot(here.normal));
   if (gap < search.margin_m && slack < 0.5 * radius_m) return;
@@ -49,8 +46,7 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
   const auto hit = cast_sphere(bounded, centre_m, displacement, radius_m, 0.1 * search.margin_m);
   if (!hit) return;
   if (!candidates.empty() && hit->normal.dot(candidates.front().normal) > kSameDirectionCosine) return;
-  candidates.push_back(
-      {kForeignFeature + 1, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
+  candidates.push_back({kAheadFeature, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
 }
 
 // Surface of a body in its current pose at a world point.
@@ -73,7 +69,7 @@ void core_candidates(const RigidBody& body, const Sample& sample,
                   found);
   for (ContactCandidate& candidate : found) {
     if (-displacement.dot(candidate.normal) < far_m && !turns) continue;
-    candidate.feature_id += uint64_t{1} << 30;
+    candidate.feature_id += kCoreFeature;
     candidates.push_back(candidate);
   }
 }

@@ -28,8 +28,8 @@ struct CurvatureLimits {
 };
 constexpr double kMinCurvatureChange = 1e-9;  // smaller differences, relative to the path, are ignored
 constexpr CurvatureLimits kCurvatureInSubstep{0.7, 0.1}, kCurvatureInSmallStep{0.3, 0.02};
-// Small steps of a group per substep: enough that links neither oscillate under tension nor rotate by more
-// than this, rad, per step. Oscillation of at most 1 rad per step; above 2 it would be unstable.
+// Rotation of a link per small step, rad. A group takes as many small steps as this and an oscillation of 1
+// rad per step need; above 2 rad the oscillation would be unstable.
 constexpr double kMaxTurn = 0.25;
 // Larger: longer chains at high tension are resolved, more time.
 constexpr int kMaxSmallSteps = 4;

@@ -314,7 +314,7 @@ TEST(ReadCapture, RefusesWithOneLine) {
   write_photo(folder / "a.png");
   write_photo(folder / "b.png");
   folder.write("transforms.json", transforms(frame("a.png") + "," + frame("b.png")));
-  EXPECT_TRUE(contains(error_of(folder.path()), "has 2 photos with poses; at least 3"));
+  EXPECT_TRUE(contains(error_of(folder.path()), "has 2 photos with poses, fewer than 3; take more photos"));
   const auto with_head = [&](const std::string& head) {
     folder.write("transforms.json", transforms(frame("a.png"), head));
     return error_of(folder.path());

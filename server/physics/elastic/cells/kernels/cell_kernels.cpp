@@ -247,9 +247,6 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
-// Squared strain, including bending, between which a thin cell blends from the compensated response to the
-// isotropic recovery.
-
 // Solves all eighteen measures at once; the energy is quadratic in them, so there is no volume row.
 template <bool kPaired, bool kPlastic>
 LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, const ThinGains& gains,

@@ -11,9 +11,9 @@
 
 namespace livegs {
 
-// Strains |S - I|² of a cell, including bending. From the first on, a body takes steps of first order and its
-// energy is limited, and the sweep begins to blend to its law of recovery; at the second, the blend is
-// complete and a cell counts as overstrained in contact or after plastic flow.
+// Strains |S - I|² of a cell (thin cells: including bending). From the first on, a body takes steps of first
+// order and its energy is limited, and a thin cell begins to blend to the isotropic recovery; at the second,
+// the blend is complete and a cell counts as overstrained in contact or after plastic flow.
 inline constexpr float kStrainedSquared = 0.25f, kOverstrainedSquared = 1.0f;
 
 // Eight cells of one parity colour, which share no node. Unused lanes are cells without stiffness on the
