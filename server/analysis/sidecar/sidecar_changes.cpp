@@ -110,13 +110,7 @@ class LockedLog {
 
  private:
   LockedLog(int fd, fs::path path) : fd_(fd), path_(std::move(path)) {}
-  Error error() const {
-    Error failed = file_error(path_, "cannot be written");
-    const fs::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
-    failed.message = path_.string() + ": cannot be written: " + std::strerror(errno) + "; make " +
-                     folder.string() + " writable to save decisions";
-    return failed;
-  }
+  Error error() const { return file_error(path_, "cannot be written"); }
   // Offset after the last complete line.
   off_t end_of_lines() const {
     off_t end = ::lseek(fd_, 0, SEEK_END);

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "core/file.h"
 #include "core/text/shown_text.h"
 
 namespace livegs {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/simulate/csv_file.h"
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 
 #include "core/file.h"
 #include "core/written_files.h"

@@ -91,7 +91,9 @@ Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, c
   const fs::path path = folder / file.path();
   std::error_code failed;
   fs::create_directories(path.parent_path(), failed);
-  if (failed) return file_error(path.parent_path(), "cannot be created", failed);
+  if (failed)
+    return Error{ErrorCode::Internal, path.parent_path().string() + ": cannot be created: " +
+                                          failed.message() + "; set TMPDIR to another folder"};
   return write_file_atomically(path, *bytes);
 }
 

@@ -2,9 +2,7 @@
 #include "physics/rigid/contact/impact_phase.h"
 
 #include <algorithm>
-#include <array>
 #include <deque>
-#include <utility>
 #include <vector>
 
 #include "physics/rigid/contact/contact_solver.h"

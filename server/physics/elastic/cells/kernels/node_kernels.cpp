@@ -70,10 +70,10 @@ float shift_nodes(const NodeArrays& nodes, NodeLanes by, NodeLanes centre) {
 
 void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums) {
   const Lanes rate = all_lanes(1.0f / step_s), zero = all_lanes(0.0f);
-  constexpr size_t block = 32;  // nodes summed in single precision before the addition to the double sums
+  constexpr size_t kBlock = 32;  // nodes summed in single precision before the addition to the double sums
   sums = NodeSums{};
-  for (size_t begin = 0; begin < nodes.count; begin += block) {
-    const size_t end = begin + block < nodes.count ? begin + block : nodes.count;
+  for (size_t begin = 0; begin < nodes.count; begin += kBlock) {
+    const size_t end = begin + kBlock < nodes.count ? begin + kBlock : nodes.count;
     Lanes mass_position = zero, momentum = zero, angular = zero, before = zero, squares = zero,
           products = zero;
     Lanes kinetic = zero;
