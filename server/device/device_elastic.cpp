@@ -76,7 +76,6 @@ BodyRow body_row(const FlatState& state, const FlatTick& tick) {
   row.strained = state.strained;
   row.touching = state.touching;
   row.backward = state.backward;
-  row.map_share = static_cast<float>(state.map_share);
   row.deviation_m_s = static_cast<float>(state.deviation_m_s);
   row.pressed_n = static_cast<float>(state.pressed_n);
   row.carried_n = static_cast<float>(state.carried_n);
@@ -108,7 +107,6 @@ void read_body(const BodyRow& row, FlatState& state) {
   state.slow = row.slow != 0;
   state.second_order = row.second_order != 0;
   state.ever_strained = row.ever_strained != 0;
-  state.map_share = row.map_share;
   state.deviation_m_s = row.deviation_m_s;
   state.pressed_n = row.pressed_n;
   state.carried_n = row.carried_n;

@@ -140,7 +140,7 @@ struct BodyRow {
   uint bent_bits;
   uint lack_bits;  // of 1 - det F
   uint spare_3;
-  float map_share;
+  uint spare_4;
   float deviation_m_s;
   float pressed_n;
   float carried_n;

@@ -40,9 +40,9 @@ LIVEGS_SHARED_BODY void add_exactly(LIVEGS_INOUT(vec4) high, LIVEGS_INOUT(vec4) 
 }
 
 LIVEGS_SHARED_BODY mat3 moment_map(BodyRow b) {
-  const mat3 turn = turn_of_quaternion(b.orientation), one = mat3(1.0f);
+  const mat3 turn = turn_of_quaternion(b.orientation);
   const mat3 map = columns_of(b.map_x, b.map_y, b.map_z);
-  return turn * (one + b.map_share * (map - one)) * transpose(turn);
+  return turn * map * transpose(turn);
 }
 
 // Chooses the next step and the parameters of its prediction.
@@ -91,7 +91,7 @@ LIVEGS_SHARED_BODY void begin_step(uint i) {
     const vec3 new_spin = spin_of(inertia, vec3(b.angular)) - step_s * spin_of(of_nodes, torque);
     bias = bias + (new_velocity - b.kept * old_velocity);
     spin = new_spin - b.kept * old_spin;
-    if (b.map_share > 0.0f) {
+    if (b.strained == 0u) {
       const mat3 map = moment_map(b);
       const mat3 pull = dot(turning, turning) * mat3(1.0f) - outerProduct(turning, turning);
       field = step_s * (map * pull * map - pull);
@@ -144,7 +144,6 @@ LIVEGS_SHARED_BODY void finish_step(uint i, NodeSumsRow total, ContactSumsRow co
 
   b.strained = uintBitsToFloat(b.strain_bits) > 0.25f || uintBitsToFloat(b.lack_bits) > 0.8f ? 1u : 0u;
   b.ever_strained = b.ever_strained != 0u || b.strained != 0u ? 1u : 0u;
-  b.map_share = b.strained != 0u ? 0.0f : min(1.0f, b.map_share + h / 0.5f);
 
   if (!held && b.slow != 0u) moment = moment + rolling_couple(b, contact);
   const float pressed = contact.impulse.w, sum = length(impulse);
@@ -173,7 +172,7 @@ LIVEGS_SHARED_BODY void finish_step(uint i, NodeSumsRow total, ContactSumsRow co
   const vec4 n =
       vec4(p.w * vec3(q) + q.w * vec3(p) + cross(vec3(p), vec3(q)), p.w * q.w - dot(vec3(p), vec3(q)));
   b.orientation = inverse_root(dot(n, n)) * n;
-  if (!held && b.map_share > 0.0f) {
+  if (!held && b.strained == 0u) {
     const mat3 map = moment_map(b), mapped = map * second * map;
     inertia = (mapped[0].x + mapped[1].y + mapped[2].z) * mat3(1.0f) - mapped;
   }

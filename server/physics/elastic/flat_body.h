@@ -94,7 +94,7 @@ struct FlatState {
   std::vector<FlatVector> sides;       // by surface point: normal, 1 + number in `colliders`; empty: none
   std::vector<FlatVector> parent_m_s;  // by light node
   bool first = true, uneven = false, strained = false, touching = false, backward = false;
-  double map_share = 1.0, deviation_m_s = 0, pressed_n = 0, carried_n = 0;
+  double deviation_m_s = 0, pressed_n = 0, carried_n = 0;
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), angular = momentum;  // the second about the centre
   Eigen::Vector3d momentum_before = momentum, angular_before = momentum;

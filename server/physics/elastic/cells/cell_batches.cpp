@@ -177,19 +177,15 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
 static void set_thin_gains(ThinGains& eight, int lane, const LatticeCell& cell, const CellBlock& block,
                            double cell_width_m, const std::array<double, 8>& inverse_masses,
                            const IsotropicMaterial& material, bool compensate, double step_s) {
-  const Matrix18 mobility = thin_cell_mobility(cell, cell_width_m, inverse_masses);
-  const auto gain_of = [&](const Matrix6& modulus) {
-    return thin_cell_gain(thin_cell_stiffness(cell, cell_width_m, material, modulus), mobility, step_s);
-  };
-  const Matrix18 bare = gain_of(strain_modulus(material));
-  const Matrix18 gain = compensate ? gain_of(compensated_modulus(cell, block, material, step_s)) : bare;
+  const Matrix6 modulus =
+      compensate ? compensated_modulus(cell, block, material, step_s) : strain_modulus(material);
+  const Matrix18 gain = thin_cell_gain(thin_cell_stiffness(cell, cell_width_m, material, modulus),
+                                       thin_cell_mobility(cell, cell_width_m, inverse_masses), step_s);
   for (int row = 0, k = 0; row < kThinMeasures; ++row) {
     for (int column = row; column < kThinMeasures; ++column, ++k) {
       eight.gain[k][lane] = significant(gain(row, column), std::sqrt(gain(row, row) * gain(column, column)));
     }
   }
-  eight.relief[lane] = static_cast<float>(
-      std::min(1.0, bare.topLeftCorner<6, 6>().trace() / gain.topLeftCorner<6, 6>().trace()));
 }
 
 static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, const CellBatches& batches,
@@ -238,7 +234,6 @@ GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatch
   result.thin.resize(batches.thin.size());
   for (ThinGains& eight : result.thin) {
     for (Lanes& gain : eight.gain) gain = all_lanes(0.0f);
-    eight.relief = all_lanes(1.0f);
   }
   result.full.volume_compliance = 1.0f;
   bool full_known = false;  // all full cells share one set of gains

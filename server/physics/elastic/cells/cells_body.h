@@ -173,6 +173,7 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void predict(double h, const SubstepContext& context);
   void advance(double h);
   void measure(const NodeSums& sums, double h);
+  bool has_material_inertia() const;
   Matrix3d moment_map_now() const;
   Matrix3d centrifugal_correction() const;
   // Sets the inertia of the material, and the angular momentum with the spin of the nodes.

@@ -16,9 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Tolerated gain relative to the energy without that of flight. It is larger in contact, because the measured
-// energy of a pressed or held body is temporarily too high.
-constexpr double kMaxGainFree = 0.003, kMaxGainTouching = 0.3;
+// Tolerated gain relative to the energy without that of flight. Larger: badly strained bodies gain energy.
+constexpr double kMaxGain = 0.003;
 // Above this Courant number the computed energy is not meaningful, because the body shows only a small part
 // of its modulus. Only studies take such steps.
 constexpr double kMaxCourant = 1.0;
@@ -84,7 +83,6 @@ double CellsBody::elastic_f32_j() const {
 // Runs once per frame, before other changes between frames. False: the state is lost.
 bool CellsBody::limit_energy() {
   if (without("energy_limiter")) return true;
-  const bool touched = std::exchange(limiter_.touched_last_frame, step_.touching) || step_.touching;
   const double work_j = std::exchange(limiter_.work_j, 0.0);
   const bool unknown =
       rest_.driven || holding_.moved || recovery_.recovering || is_separating() || !loads_.regions.empty();
@@ -105,7 +103,7 @@ bool CellsBody::limit_energy() {
       limiter_.limit_j && !unknown ? std::min(*limiter_.limit_j + work_j, energy_j) : energy_j;
   limiter_.limit_j = energy_limit_j;
   const double gained_j = energy_j - energy_limit_j;
-  if (gained_j <= (touched || rest_.forced ? kMaxGainTouching : kMaxGainFree) * inner_j) return true;
+  if (gained_j <= kMaxGain * inner_j) return true;
 
   const Vector3d velocity = free() ? ledger_.motion.velocity_m_s() : Vector3d::Zero();
   const Vector3d spin = free() ? ledger_.motion.angular_velocity_rad_s() : Vector3d::Zero();

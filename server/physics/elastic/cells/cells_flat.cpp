@@ -252,7 +252,6 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
   state.strained = step_.strained;
   state.touching = step_.touching;
   state.backward = step_.backward;
-  state.map_share = ledger_.map_share;
   state.deviation_m_s = step_.deviation_m_s;
   state.pressed_n = loads_.pressed_n;
   state.carried_n = loads_.carried_n;
@@ -313,7 +312,6 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   step_.bent_squared = state.bent_squared;
   recovery_.degenerate = recovery_.degenerate || state.ever_strained;
   gains_.last_step_s = state.step_s;
-  ledger_.map_share = state.map_share;
   ledger_.step_orientation = state.orientation.normalized();
   ledger_.momentum_before = state.momentum_before;
   ledger_.angular_before = state.angular_before;

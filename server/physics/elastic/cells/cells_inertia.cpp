@@ -66,15 +66,21 @@ void CellsBody::set_moment_map() {
   ledger_.map = map.eigenvectors() * kept.asDiagonal() * map.eigenvectors().transpose();
 }
 
-// World frame. None at a large strain, because the moments at rest do not describe a crushed body.
+// A badly strained body has the inertia of its nodes, because the moments at rest do not describe it.
+bool CellsBody::has_material_inertia() const {
+  return free() && !step_.strained && !without("material_inertia");
+}
+
+// World frame.
 Matrix3d CellsBody::moment_map_now() const {
-  const Matrix3d turn = ledger_.step_orientation.toRotationMatrix(), one = Matrix3d::Identity();
-  return turn * (one + ledger_.map_share * (ledger_.map - one)) * turn.transpose();
+  if (!has_material_inertia()) return Matrix3d::Identity();
+  const Matrix3d turn = ledger_.step_orientation.toRotationMatrix();
+  return turn * ledger_.map * turn.transpose();
 }
 
 void CellsBody::use_material_inertia() {
   ledger_.node_inertia = ledger_.motion.inertia;
-  if (!free() || ledger_.map_share == 0.0) return;
+  if (!has_material_inertia()) return;
   const Matrix3d map = moment_map_now();
   ledger_.motion.inertia = inertia_of(map * second_moments_of(ledger_.node_inertia) * map);
   ledger_.motion.angular_momentum = material_angular(ledger_.motion.angular_momentum);
@@ -84,7 +90,7 @@ void CellsBody::use_material_inertia() {
 // from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
 // pull on r is G W G r, W = w² - w w^T.
 Matrix3d CellsBody::centrifugal_correction() const {
-  if (without("centrifugal_correction") || !free() || ledger_.map_share == 0.0) return Matrix3d::Zero();
+  if (without("centrifugal_correction") || !has_material_inertia()) return Matrix3d::Zero();
   const Matrix3d map = moment_map_now();
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();

@@ -112,8 +112,7 @@ struct Loads {
 struct MomentumLedger {
   BodyMomentum motion;
   Matrix3d node_inertia = Matrix3d::Zero();  // of the nodes as point masses, about the centre
-  double map_share = 1.0;  // 1 ... 0 as the strain grows from half to all of that of first-order steps
-  Matrix3d map = Matrix3d::Identity();  // object frame, at rest; moments of the nodes to the material's
+  Matrix3d map = Matrix3d::Identity();       // object frame, at rest; moments of the nodes to the material's
   Eigen::Quaterniond step_orientation = Eigen::Quaterniond::Identity();  // of the body at the current step
   // From the previous velocities, at the current positions.
   Vector3d momentum_before = Vector3d::Zero(), angular_before = Vector3d::Zero();
@@ -246,9 +245,9 @@ struct LastForce {
 // A contact with a body that pushes from opposite sides while the strain is far too large.
 struct StuckContact {
   uint64_t body_id = 0;
-  // In this frame: sums of impulse magnitudes, impulses, magnitudes times points, and impulses dot points.
-  double pushed_n_s = 0.0, apart = 0.0;
-  Vector3d net_n_s = Vector3d::Zero(), moment = Vector3d::Zero();
+  // In this frame: sums of impulse magnitudes and of impulses.
+  double pushed_n_s = 0.0;
+  Vector3d net_n_s = Vector3d::Zero();
   double stuck_s = 0.0;
   bool separating = false, overlaps = false;  // contact is off while separating, until no overlap remains
 };
@@ -288,8 +287,7 @@ struct StepState {
 // Upper bound of the energy while badly strained; cells_energy_limiter.cpp.
 struct EnergyLimiter {
   std::optional<double> limit_j;
-  double work_j = 0.0;              // of hands and moving bodies in this frame
-  bool touched_last_frame = false;  // whether there was contact
+  double work_j = 0.0;  // of hands and moving bodies in this frame
 };
 
 // cells_shape_recovery.cpp.

@@ -29,9 +29,6 @@ using Eigen::Vector3d;
 // Volume ratio det F below which a body takes first-order steps, which dissipate energy, as beyond
 // kStrainedSquared; BDF2 would amplify the motion.
 constexpr double kFirstOrderVolumeRatio = 0.2;
-// Time in which the inertia of the material returns after such a strain. Shorter: a limp body that is
-// strained again and again gains energy from the changes.
-constexpr double kMomentMapReturn_s = 0.5;
 // A body in contact also takes first-order steps while its shape changes slowly: RMS speed below this
 // fraction of sqrt(g L), with L the smallest side (the speed after a fall of L/200). Pointwise contact causes
 // noise, which BDF2 damps too little.
@@ -194,8 +191,6 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   step_.bent_squared = report.bent_squared;
   step_.strained = report.strain_squared > kStrainedSquared || report.volume_ratio < kFirstOrderVolumeRatio;
   recovery_.degenerate = recovery_.degenerate || step_.strained;
-  const double returned = without("moment_map_return") ? 1.0 : ledger_.map_share + h / kMomentMapReturn_s;
-  ledger_.map_share = step_.strained || without("material_inertia") ? 0.0 : std::min(1.0, returned);
 
   if (holding_.held) hold_particles(time_s);
   ledger_.contact_impulse.setZero();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Release of stuck contacts. A soft body can be pulled around a bar until its points are on both sides; each
 // point is then pushed out on its own side, and no local contact rule resolves this. The state is detected
-// for the whole body: the impulses from one body cancel, and the strain is either large with impulses
-// pointing apart (in a cup or between tongs they point together) or extreme. Contact with that body is then
-// disabled, and the bodies are pulled apart while the shape recovers, until they no longer overlap. A rubber
-// band stretched around a bar is treated in the same way.
+// for the whole body: the impulses from one body cancel, and the strain is extreme (a sheet that drapes over
+// a box is strained less). Contact with that body is then disabled, and the bodies are pulled apart while the
+// shape recovers, until they no longer overlap. A rubber band stretched around a bar is treated in the same
+// way.
 #include <algorithm>
 
 #include "core/log.h"
@@ -18,8 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Strain |S - I|² of the worst cell, including bending.
-constexpr double kStuckStrainSquared = 0.1;
 constexpr double kMaxNetImpulseRatio = 0.5;  // of the sum of impulses relative to the sum of their magnitudes
 constexpr double kStuckTime_s = 0.5;
 // Separation: one body radius in this time, with at most this acceleration.
@@ -57,24 +55,17 @@ void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
 }
 
 void CellsBody::record_push(const ContactImpulse& impulse) {
-  if (step_.bent_squared <= kStuckStrainSquared) return;
+  if (step_.bent_squared <= kOverstrainedSquared) return;
   StuckContact& from = stuck_contact(impulse.from_body_id);
-  const double size = impulse.push_n_s.norm();
-  const Vector3d point = impulse.point_m - origin_m_;
-  from.pushed_n_s += size;
+  from.pushed_n_s += impulse.push_n_s.norm();
   from.net_n_s += impulse.push_n_s;
-  from.moment += size * point;
-  from.apart += impulse.push_n_s.dot(point);
 }
 
 // Runs once per frame.
 void CellsBody::update_stuck_contacts(double frame_s) {
   for (StuckContact& one : bodies_.stuck) {
     if (!one.separating) {
-      // First moment of the impulses about the mean contact point.
-      const double apart =
-          one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
-      const bool stuck = (apart > 0.0 || step_.bent_squared > kOverstrainedSquared) &&
+      const bool stuck = step_.bent_squared > kOverstrainedSquared &&
                          one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
       one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without("stuck_contacts");
@@ -87,9 +78,8 @@ void CellsBody::update_stuck_contacts(double frame_s) {
     } else {
       one.overlaps = false;  // set again by a step that finds an overlap
     }
-    one.pushed_n_s = one.apart = 0.0;
+    one.pushed_n_s = 0.0;
     one.net_n_s.setZero();
-    one.moment.setZero();
   }
   std::erase_if(bodies_.stuck, [](const StuckContact& one) { return !one.separating && one.stuck_s <= 0.0; });
 }

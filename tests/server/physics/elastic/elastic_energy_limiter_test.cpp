@@ -43,8 +43,7 @@ TEST_P(ElasticBounded, LimpSheetsKeepSpinning) {
           report_gap("bounded.spin_momentum", most_turned);
           const double gain = most_j / (before.kinetic_j + before.elastic_j);
           if (poisson_ratio > 0.45) {
-            report_gap("bounded.rubber_spin_energy",
-                       gain);  // rubber of nu 0.49, far beyond that range, gains energy
+            report_gap("bounded.rubber_spin_energy", gain);
           } else {
             EXPECT_LT(gain, kGain);
           }
@@ -85,7 +84,7 @@ TEST_P(ElasticBounded, SoftRubberGainsNothingOnLanding) {
         stage.frame();
         most_j = std::max(most_j, stage.total_energy_j());
       }
-      report_gap("bounded.rubber_landing_energy", most_j / start_j);
+      EXPECT_LT(most_j / start_j, 1.0005);
       EXPECT_LT(stage.total_energy_j(), start_j);
       EXPECT_EQ(stage.body->accuracy().recovery_count, 0);
     }

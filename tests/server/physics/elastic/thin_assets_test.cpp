@@ -190,7 +190,6 @@ constexpr double kGain = 1.01;
 TEST(ThinAssets, JerkedPlantGainsNoEnergy) {
   for (const double plasticity : {0.0, 0.3}) {
     const Jerked plant = jerk(particles_of(make_potted_plant(), 0.03), plasticity, full_sets() ? 4 : 1);
-    // an overstretched cell uses another energy law
     report_gap("thin.plant_energy", plant.most_over_released);
     EXPECT_GE(plant.least_flow_j, 0.0);
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sheets laid over movable bodies drape and gain no energy.
 #include "geometry/field/sample_particles.h"
-#include "known_gaps.h"
 #include "scenes/soft_fixtures.h"
 
 namespace livegs {
@@ -44,20 +43,15 @@ Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double he
   return laid;
 }
 
-// Box corners must not pass the sheet, and deep overlaps must not be pushed apart at any depth: both would
-// add energy.
+// Box corners must not pass the sheet, deep overlaps must not be pushed apart at any depth, and a sheet that
+// drapes over a box must not be separated from it as if it were stuck: all of these would add energy.
 TEST(SoftSheet, SheetOverAFreeBoxGainsNothing) {
-  for (const double stiffness : gate_or_full<double>({1e5, 1e6}, {1e4, 1e5, 1e6})) {
+  for (const double stiffness : gate_or_full<double>({1e4, 1e6}, {1e4, 1e5, 1e6})) {
     for (const double heavier : gate_or_full<double>({2.0, 10.0}, {2.0, 3.0, 10.0})) {
       for (const double rate : kRates_hz)
         for (const double turned : {0.0, 0.5}) {
           const Laid laid = lay(rate, 0.01, stiffness, heavier, turned);
-          // Some limp sheets that fold sharply under their own weight show a higher energy for a moment.
-          if (stiffness < 5e4) {
-            report_gap("sheet.limp_gain", laid.most_gain);
-          } else {
-            EXPECT_LT(laid.most_gain, 0.02) << stiffness << " Pa, " << heavier << ", turned by " << turned;
-          }
+          EXPECT_LT(laid.most_gain, 0.02) << stiffness << " Pa, " << heavier << ", turned by " << turned;
         }
     }
   }

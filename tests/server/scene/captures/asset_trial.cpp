@@ -253,19 +253,14 @@ bool is(const AssetTrial& trial, const char* asset, TrialBody body, TrialAction 
   return trial.asset == asset && trial.body == body && trial.action == action;
 }
 
-// Known gaps (known_gaps.csv): trials that miss a bar. Thin shells of 50 kPa fold, and gain energy when they
-// unfold.
+// Known gaps (known_gaps.csv): trials that miss a bar. Stacked thin shells of 50 kPa fold into one another,
+// and contact adds energy to them.
 struct Gaps {
-  bool lowest = false, lowest_centre = false, energy = false, let_go = false;
+  bool lowest = false, energy = false;
 };
 Gaps gaps(const AssetTrial& trial) {
-  if (trial.body == TrialBody::Elastic) {
-    return {.lowest = true,
-            .lowest_centre = trial.asset.starts_with("leica") ||
-                             is(trial, "garden_init.compressed.ply", TrialBody::Elastic, TrialAction::Thrown),
-            .energy = trial.action != TrialAction::Pulled,
-            .let_go = true};
-  }
+  if (trial.body == TrialBody::Elastic)
+    return {.lowest = true, .energy = trial.action == TrialAction::Stacked};
   return {.lowest = is(trial, "garden_init.compressed.ply", TrialBody::Rigid, TrialAction::Dropped) ||
                     is(trial, "ponytail_palm.ply", TrialBody::Fragile, TrialAction::Pulled)};
 }
@@ -292,9 +287,9 @@ void expect_nothing_exploded(const AssetTrial& trial) {
   };
   check(missed.energy, "asset_trial.energy", trial.energy_ratio,
         trial.action == TrialAction::Pulled ? kPulledEnergy : kEnergy, true);
-  check(missed.let_go, "asset_trial.energy_let_go", trial.let_go_ratio, kEnergy, true);
+  EXPECT_LT(trial.let_go_ratio, kEnergy) << what;
   check(missed.lowest, "asset_trial.lowest", trial.lowest_m, kLowest, false);
-  check(missed.lowest_centre, "asset_trial.lowest_centre", trial.lowest_centre_m, kLowestCentre, false);
+  EXPECT_GT(trial.lowest_centre_m, kLowestCentre) << what;
 }
 
 }  // namespace livegs::testing

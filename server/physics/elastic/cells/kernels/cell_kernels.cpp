@@ -290,38 +290,6 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     }
     impulse[i] += sum;
   }
-  // Recovery of extremely stretched cells. Such a cell would rotate by a radian per step, and its measures
-  // with it. It is instead pulled straight to rest with the same energy by an isotropic response, which does
-  // not depend on the rotation.
-  if (__builtin_expect(any_above(strain, kStrainedSquared), false)) {
-    const Lanes one = all_lanes(1.0f), zero = all_lanes(0.0f);
-    Lanes inverse = inverse_mass[0], energy = zero;
-    for (int c = 1; c < 8; ++c) inverse += inverse_mass[c];
-    for (int i = 0; i < kThinMeasures; ++i) energy += impulse[i] * lacking[i];
-    // Half of the correction is by the strains and half by the four modes together. If nearly all of the
-    // inverse mass is at one corner, every measure moves that corner, and a total of more than 4/3 of the way
-    // is unstable.
-    Lanes by_strain = all_lanes(0.5f) / (used ? cells.mobility : one),
-          by_mode = all_lanes(8.0f) / (used ? inverse : one);
-    const Lanes alike = by_strain * dot(lack, lack) + by_mode * bent;
-    const Lanes scale = energy < alike ? energy / alike : one;
-    Lanes part =
-        (strain - all_lanes(kStrainedSquared)) * all_lanes(1.0f / (kOverstrainedSquared - kStrainedSquared));
-    part = part > zero ? (part < one ? part : one) : zero;
-    const Lanes own = (one - part) * (one + (gains.relief - one) * part);
-    by_strain *= part * scale;
-    by_mode *= part * scale;
-    // Ignores the plastic part: at such a stretch its turning force would be too large to be accurate and
-    // would add energy.
-    if (kPlastic) {
-      for (int k = 0; k < 6; ++k) lacking[k] += part * ((k < 3 ? one : zero) - plastic->part[k]);
-      for (int j = 0; j < 4; ++j) {
-        for (int d = 0; d < 3; ++d) lacking[6 + 3 * j + d] -= part * plastic->mode_rest[j][d];
-      }
-    }
-    for (int k = 0; k < 6; ++k) impulse[k] = own * impulse[k] + by_strain * lacking[k];
-    for (int k = 6; k < kThinMeasures; ++k) impulse[k] = own * impulse[k] + by_mode * lacking[k];
-  }
   Symmetric sigma;
   for (int k = 0; k < 6; ++k) sigma.v[k] = impulse[k];
   Matrix stress = matrix_of_mandel(sigma);

@@ -12,8 +12,8 @@
 namespace livegs {
 
 // Strains |S - I|² of a cell (thin cells: including bending). From the first on, a body takes steps of first
-// order and its energy is limited, and a thin cell begins to blend to the isotropic recovery; at the second,
-// the blend is complete and a cell counts as overstrained in contact or after plastic flow.
+// order and its energy is limited; from the second on, a cell counts as overstrained in contact or after
+// plastic flow.
 inline constexpr float kStrainedSquared = 0.25f, kOverstrainedSquared = 1.0f;
 
 // Eight cells of one parity colour, which share no node. Unused lanes are cells without stiffness on the
@@ -58,7 +58,6 @@ struct CutGains {
 inline constexpr int kThinMeasures = 18;
 struct ThinGains {
   Lanes gain[kThinMeasures * (kThinMeasures + 1) / 2];  // upper triangle by rows
-  Lanes relief;  // gain without the sweep's compensation over the gain with it; at most 1
 };
 
 // Colours are swept in ascending order, or in descending order with `backward`: a fixed order causes a
