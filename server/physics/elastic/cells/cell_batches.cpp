@@ -232,9 +232,6 @@ GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatch
   nothing.volume_compliance = all_lanes(1.0f);
   result.cut.assign(batches.cut.size(), nothing);
   result.thin.resize(batches.thin.size());
-  for (ThinGains& eight : result.thin) {
-    for (Lanes& gain : eight.gain) gain = all_lanes(0.0f);
-  }
   result.full.volume_compliance = 1.0f;
   bool full_known = false;  // all full cells share one set of gains
   for (size_t i = 0; i < lattice.cells.size(); ++i) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Energy limiter for strains beyond the range of the sweep's compensation, where a body can gain energy: limp
-// sheets that spin faster than their wave speed, nearly incompressible bodies that land, thin parts that are
-// pulled hard. The total energy may only increase by the work of hands and moving bodies; static bodies do no
-// work. Any excess is removed from the node velocities relative to the rigid motion, which preserves momentum
-// and angular momentum. The check runs once per frame, only while a cell is badly strained. It costs about
-// half a substep.
+// sheets that spin faster than their wave speed, thin parts that are pulled hard. The total energy may only
+// increase by the work of hands and moving bodies; static bodies do no work. Any excess is removed from the
+// node velocities relative to the rigid motion, which preserves momentum and angular momentum. The check runs
+// once per frame, only while a cell is badly strained. It costs about half a substep.
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Tolerated gain relative to the energy without that of flight. Larger: badly strained bodies gain energy.
+// Tolerated gain relative to the energy without that of flight. With a larger tolerance badly strained bodies
+// gain energy.
 constexpr double kMaxGain = 0.003;
 // Above this Courant number the computed energy is not meaningful, because the body shows only a small part
 // of its modulus. Only studies take such steps.

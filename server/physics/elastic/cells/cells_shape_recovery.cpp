@@ -8,7 +8,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
@@ -121,7 +120,6 @@ void CellsBody::recover_shape(double frame_s) {
   const bool strained =
       step_.bent_squared > (wild ? kOverstrainedSquared : kMinRecoveryStrainSquared) + 4.0 * spun * spun &&
       (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
-  std::optional<double> before_j;
   if (!recovery_.recovering) {
     if ((limp || upright > kRecoveredDeterminant) && !strained) recovery_.degenerate = false;
     const bool settled = strained && 0.5 * mass_kg_ * step_.deviation_m_s * step_.deviation_m_s <
@@ -132,8 +130,6 @@ void CellsBody::recover_shape(double frame_s) {
                                                                           : -1.0;
     recovery_.degenerate_s = std::max(0.0, recovery_.degenerate_s + weight * frame_s);
     recovery_.recovering = recovery_.degenerate_s > kRecoveryDelay_s;
-    if (recovery_.recovering) before_j = elastic_j();
-    if (recovery_.recovering && flowed) discard_plastic_flow();
   }
   if (!recovery_.recovering) return;
   if ((limp || upright > kRecoveredDeterminant) && !strained) {
@@ -162,11 +158,12 @@ void CellsBody::recover_shape(double frame_s) {
     for (size_t i = 0; i < now.size(); ++i)
       nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
   };
-  if (!before_j) before_j = elastic_j();
+  const double before_j = elastic_j();
+  if (flowed) discard_plastic_flow();
   pull(part);
   // The linear path squashes a sheet, and discarded plastic flow becomes strain. If the energy rises too
   // much, the rest shape is reached at once, because an interruption would leave the squashed state.
-  if (elastic_j() > kMaxEnergyGain * *before_j) pull(1.0);
+  if (elastic_j() > kMaxEnergyGain * before_j) pull(1.0);
   restart_motion();
 }
 

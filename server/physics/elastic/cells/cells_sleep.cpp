@@ -157,10 +157,10 @@ void CellsBody::set_rest_shape(const Pose& world_from_object, const Vector3d& ve
   if (!plastic_.parts.empty()) discard_plastic_flow();
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   ledger_.step_orientation = orientation_;
+  step_.strained = recovery_.degenerate = recovery_.recovering = false;  // before the inertia is measured
   restart_motion();
   loads_.pressed_n = loads_.carried_n = step_.strain_squared = step_.bent_squared = step_.deviation_m_s =
       step_.spin_rad_s = recovery_.degenerate_s = 0.0;
-  step_.strained = recovery_.degenerate = recovery_.recovering = false;
   limiter_.limit_j.reset();
   loads_.contact_total = {};
   bodies_.stuck.clear();

@@ -21,7 +21,6 @@ TEST_P(ElasticBounded, LimpSheetsKeepSpinning) {
     for (const double stiffness : gate_or_full<double>({1e3, 1e4}, {3e2, 1e3, 1e4})) {
       for (const double poisson_ratio : {0.3, 0.49}) {
         for (const double spin_rad_s : gate_or_full<double>({30.0}, {10.0, 30.0})) {
-          if (stiffness < 1e3 && poisson_ratio > 0.45) continue;  // known to gain energy at 2 mm
           SCOPED_TRACE(testing::Message() << thickness_m << " m, " << stiffness << " Pa, nu " << poisson_ratio
                                           << ", " << spin_rad_s << " rad/s");
           ElasticBodyDescription sheet =

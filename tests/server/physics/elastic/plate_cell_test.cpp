@@ -7,7 +7,6 @@
 #include <cstdlib>
 
 #include "known_gaps.h"
-#include "physics/elastic/cells/cell_batches.h"
 #include "scenes/thin_bodies.h"
 
 namespace livegs {

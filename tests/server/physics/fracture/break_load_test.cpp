@@ -189,8 +189,8 @@ TEST(BreakingLoads, FragmentsReportTheirOwnImpulses) {
     const double most_n_s = *std::max_element(mean_n_s.begin(), mean_n_s.end());
     EXPECT_EQ(held_n_s, 0.0);
     EXPECT_GT(most_n_s, 0.0);
-    // The others press on a fragment with at most their weight, and what bears it pushes back with at most
-    // the whole weight. A mean, because fragments still rock.
+    // Contacts are mostly vertical: the others press on a fragment with at most their weight, and what bears
+    // it pushes back with at most the whole weight. A mean, because fragments still rock.
     EXPECT_LT(most_n_s, 2.0 * kMass_kg * kGravity / rate);
   }
 }
