@@ -124,9 +124,7 @@ struct BodyRow {
   uint first_light;
   uint light_count;
   uint gains;  // 0: of its own steps, 1: of impact steps
-  uint spare_0;
-  uint spare_1;
-  uint spare_2;
+  uint spare;
   // State.
   uint first;     // the last step is no basis for BDF2
   uint uneven;    // the last step had another length
@@ -139,8 +137,6 @@ struct BodyRow {
   uint strain_bits;    // of |S - I|², as a float; the largest in this step
   uint bent_bits;
   uint lack_bits;  // of 1 - det F
-  uint spare_3;
-  uint spare_4;
   float deviation_m_s;
   float pressed_n;
   float carried_n;

@@ -245,7 +245,7 @@ struct LastForce {
 // A contact with a body that pushes from opposite sides while the strain is far too large.
 struct StuckContact {
   uint64_t body_id = 0;
-  // In this frame: sums of impulse magnitudes and of impulses.
+  // In this frame, while overstrained: sums of impulse magnitudes and of impulses.
   double pushed_n_s = 0.0;
   Vector3d net_n_s = Vector3d::Zero();
   double stuck_s = 0.0;

@@ -65,8 +65,7 @@ void CellsBody::record_push(const ContactImpulse& impulse) {
 void CellsBody::update_stuck_contacts(double frame_s) {
   for (StuckContact& one : bodies_.stuck) {
     if (!one.separating) {
-      const bool stuck = step_.bent_squared > kOverstrainedSquared &&
-                         one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
+      const bool stuck = one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
       one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without("stuck_contacts");
       if (one.separating)

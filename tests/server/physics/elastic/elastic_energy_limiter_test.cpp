@@ -14,7 +14,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, ElasticBounded, testing::ValuesIn(rates_hz()),
                          [](const auto& one) { return rate_name(one.param); });
 
 // Half a side times the spin is up to fourteen times the wave speed, so only inertia holds the sheet
-// together. Without the energy limiter such a sheet gains orders of magnitude of energy.
+// together. Without the energy limiter a sheet of rubber gains 70 % of energy.
 TEST_P(ElasticBounded, LimpSheetsKeepSpinning) {
   constexpr double kGain = 1.01;
   for (const double thickness_m : gate_or_full<double>({0.002}, {0.002, 0.006})) {

@@ -12,8 +12,8 @@
 namespace livegs {
 
 // Strains |S - I|² of a cell (thin cells: including bending). From the first on, a body takes steps of first
-// order and its energy is limited; from the second on, a cell counts as overstrained in contact or after
-// plastic flow.
+// order and its energy is limited; from the second on, a cell counts as overstrained (shape recovery in
+// contact or after plastic flow, stuck contacts).
 inline constexpr float kStrainedSquared = 0.25f, kOverstrainedSquared = 1.0f;
 
 // Eight cells of one parity colour, which share no node. Unused lanes are cells without stiffness on the
