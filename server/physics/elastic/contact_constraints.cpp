@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
+#include <numeric>
+#include <unordered_map>
 #include <vector>
 
 #include "core/parallel_for.h"
@@ -14,13 +17,16 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The iteration stops when a sweep changes the impulses by less than this fraction of their sum. Friction
-// that has not converged lets bodies creep and keeps them awake.
-constexpr int kMaxIterations = 100;
+// A pair of bodies is solved when a sweep over its rows changes their impulses by less than this fraction of
+// the impulses that its bodies bear. Friction that has not converged lets bodies creep and keeps them awake.
 constexpr double kConvergence = 0.002;
-// Sweeps over the pushing rows alone after each sweep over all. Larger: cheaper sweeps, and rows that close
-// in the meantime are found later.
+// Sweeps over the pushing rows of a pair after each sweep over all of them. Larger: cheaper sweeps, and rows
+// that close in the meantime are found later.
 constexpr int kPushingSweeps = 4;
+// Maximum number of rounds over the pairs that are not solved.
+constexpr int kMaxRounds = 20;
+// Rows that are worth another thread.
+constexpr size_t kRowsOfThread = 128;
 // Weight of the change of the impulse of a row that pushed in the last step, relative to its response
 // (proximal point iteration, Rockafellar 1976). Rows that share nodes leave parts of their impulses
 // undetermined, which sweeps alone settle slowly. Constant loads are met exactly. 0: twice the sweeps; above
@@ -170,50 +176,178 @@ double solve(SolvedRow& row) {
   return std::sqrt(dot(change, change));
 }
 
+// The rows between two bodies. Pairs of one colour share no body.
+struct RowPair {
+  uint32_t a, b;  // numbers of the bodies
+  uint32_t colour;
+  SolvedRow* rows = nullptr;
+  size_t row_count = 0;
+  bool solved = false;    // the last sweep over all rows changed little, and so did those of its neighbours
+  bool backward = false;  // direction of the next sweep
+  double total_n_s = 0.0;
+
+  std::span<SolvedRow> all() const { return {rows, row_count}; }
+  double sum_n_s() const {
+    double sum = 0.0;
+    for (const SolvedRow& row : all()) sum += row.impulse_n_s;
+    return sum;
+  }
+};
+
+double sweep(std::span<SolvedRow* const> rows, bool backward) {
+  double changed_n_s = 0.0;
+  for (size_t n = 0; n < rows.size(); ++n) changed_n_s += solve(*rows[backward ? rows.size() - 1 - n : n]);
+  return changed_n_s;
+}
+
+// One sweep over all rows of the pair and, unless it is solved, some over those that push. `borne_n_s`: the
+// impulses that its bodies bear.
+void solve_pair(RowPair& pair, double borne_n_s) {
+  std::vector<SolvedRow*> rows;
+  rows.reserve(pair.row_count);
+  for (SolvedRow& row : pair.all()) rows.push_back(&row);
+  for (int k = 0; k <= kPushingSweeps; ++k) {
+    const double changed_n_s = sweep(rows, pair.backward);
+    pair.backward = !pair.backward;
+    pair.total_n_s = pair.sum_n_s();
+    const bool converged = changed_n_s <= kConvergence * std::max(borne_n_s, pair.total_n_s);
+    if (k == 0) {
+      pair.solved = converged;
+      std::erase_if(rows, [](const SolvedRow* row) { return row->impulse_n_s == 0.0; });
+    }
+    if (converged) return;
+  }
+}
+
+// All rows, those of a pair next to each other.
+class ContactPairs {
+ public:
+  ContactPairs(std::span<ContactConstraint* const> constraints, double step_s);
+
+  size_t body_count() const { return bodies_.size(); }
+  std::span<RowPair> pairs() { return pairs_; }
+  // Calls visit(pair) for the pairs that are not solved, colour after colour. Those of one colour are visited
+  // on several threads; the result is that of one after the other.
+  void visit_unsolved(const std::function<void(RowPair& pair)>& visit);
+
+ private:
+  std::unordered_map<const ContactParticipant*, uint32_t> bodies_;
+  std::vector<SolvedRow> rows_;
+  std::vector<RowPair> pairs_;  // by colour
+};
+
+ContactPairs::ContactPairs(std::span<ContactConstraint* const> constraints, double step_s) {
+  const auto number_of = [this](const ContactParticipant* body) {
+    return bodies_.try_emplace(body, static_cast<uint32_t>(bodies_.size())).first->second;
+  };
+  std::unordered_map<uint64_t, uint32_t> known;  // pairs, by their bodies
+  std::vector<std::vector<bool>> used;           // the colours of each body's pairs
+  std::vector<uint32_t> pair_of;                 // by constraint
+  for (const ContactConstraint* constraint : constraints) {
+    const uint32_t a = number_of(constraint->a), b = number_of(constraint->b);
+    const uint64_t key = uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+    const auto [found, is_new] = known.try_emplace(key, static_cast<uint32_t>(pairs_.size()));
+    pair_of.push_back(found->second);
+    if (is_new) {
+      used.resize(bodies_.size());
+      const auto is_used = [&](uint32_t body, size_t colour) {
+        return colour < used[body].size() && used[body][colour];
+      };
+      uint32_t colour = 0;
+      while (is_used(a, colour) || is_used(b, colour)) ++colour;
+      for (const uint32_t body : {a, b}) {
+        if (used[body].size() <= colour) used[body].resize(colour + 1);
+        used[body][colour] = true;
+      }
+      pairs_.push_back({a, b, colour});
+    }
+    ++pairs_[found->second].row_count;
+  }
+  std::vector<size_t> next(pairs_.size());  // row of each pair
+  std::vector<uint32_t> order(pairs_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](uint32_t i, uint32_t k) { return pairs_[i].colour < pairs_[k].colour; });
+  rows_.resize(constraints.size());
+  size_t begin = 0;
+  for (const uint32_t i : order) {
+    pairs_[i].rows = &rows_[begin];
+    next[i] = begin;
+    begin += pairs_[i].row_count;
+  }
+  std::vector<ContactConstraint*> by_row(constraints.size());
+  for (size_t i = 0; i < constraints.size(); ++i) by_row[next[pair_of[i]]++] = constraints[i];
+  parallel_for(rows_.size(), kRowsOfThread, [&](size_t first, size_t end) {
+    for (size_t i = first; i < end; ++i) rows_[i] = prepare(*by_row[i], step_s);
+  });
+  std::stable_sort(pairs_.begin(), pairs_.end(),
+                   [](const RowPair& a, const RowPair& b) { return a.colour < b.colour; });
+}
+
+void ContactPairs::visit_unsolved(const std::function<void(RowPair& pair)>& visit) {
+  std::vector<RowPair*> visited;
+  for (size_t k = 0, end = 0; k < pairs_.size(); k = end) {
+    visited.clear();
+    size_t rows = 0;
+    for (; end < pairs_.size() && pairs_[end].colour == pairs_[k].colour; ++end) {
+      if (pairs_[end].solved) continue;
+      visited.push_back(&pairs_[end]);
+      rows += pairs_[end].row_count;
+    }
+    const size_t pairs_of_thread = visited.size() * kRowsOfThread / std::max<size_t>(rows, 1) + 1;
+    parallel_for(visited.size(), pairs_of_thread, [&](size_t first, size_t last) {
+      for (size_t i = first; i < last; ++i) visit(*visited[i]);
+    });
+  }
+}
+
+void record(const SolvedRow& of) {
+  ContactConstraint& row = *of.row;
+  row.normal_impulse_n_s = of.impulse_n_s;
+  row.friction_impulse_n_s = vector(of.friction_n_s);
+  if (of.impulse_n_s <= 0.0) return;
+  const Vector3d push = row.normal_impulse_n_s * row.normal, impulse = push + row.friction_impulse_n_s;
+  if (of.a.corrections) row.a->count_impulse(row.point_m, impulse);
+  if (of.b.corrections) row.b->count_impulse(row.point_m, -impulse);
+  row.a->record_impulse(row.anchor_a, {row.point_m, impulse, push, row.other_body_id});
+  row.b->record_impulse(row.anchor_b, {row.point_m, -impulse, -push, row.body_id});
+}
+
 }  // namespace
 
 void solve_contacts(std::span<ContactConstraint* const> constraints, double step_s) {
-  std::vector<SolvedRow> all(constraints.size());
-  parallel_for(all.size(), 256, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) all[i] = prepare(*constraints[i], step_s);
+  ContactPairs contacts(constraints, step_s);
+  contacts.visit_unsolved([](RowPair& pair) {
+    for (const SolvedRow& row : pair.all()) {
+      if (row.impulse_n_s != 0.0) row.apply(row.impulse_n_s * row.normal + row.friction_n_s);
+    }
+    pair.total_n_s = pair.sum_n_s();
   });
-  for (const SolvedRow& row : all) {
-    if (row.impulse_n_s != 0.0) row.apply(row.impulse_n_s * row.normal + row.friction_n_s);
-  }
-  // Most rows do not push. Sweeps over those that do alternate with sweeps over all; only the latter can end.
-  std::vector<SolvedRow*> rows, pushing;
-  for (SolvedRow& row : all) rows.push_back(&row);
-  bool of_all = true;
-  for (int sweep = 0, since_all = 0; sweep < kMaxIterations; ++sweep) {
-    const std::vector<SolvedRow*>& swept = of_all ? rows : pushing;
-    double changed = 0.0, total = 0.0;
-    for (size_t n = 0; n < swept.size(); ++n) {
-      SolvedRow& row = *swept[sweep % 2 ? swept.size() - 1 - n : n];
-      changed += solve(row);
-      total += row.impulse_n_s;
+  std::vector<double> borne_n_s(contacts.body_count());
+  std::vector<bool> disturbed(contacts.body_count());
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::fill(borne_n_s.begin(), borne_n_s.end(), 0.0);
+    for (const RowPair& pair : contacts.pairs()) {
+      for (const uint32_t body : {pair.a, pair.b}) borne_n_s[body] += pair.total_n_s;
     }
-    const bool converged = changed <= kConvergence * total;
-    if (of_all && converged) break;
-    if (of_all) {
-      pushing.clear();
-      for (SolvedRow* row : rows) {
-        if (row->impulse_n_s > 0.0) pushing.push_back(row);
-      }
-      since_all = 0;
+    contacts.visit_unsolved(
+        [&](RowPair& pair) { solve_pair(pair, std::max(borne_n_s[pair.a], borne_n_s[pair.b])); });
+    // A pair that was not solved has disturbed the others of its bodies.
+    disturbed.assign(disturbed.size(), false);
+    for (const RowPair& pair : contacts.pairs()) {
+      if (!pair.solved) disturbed[pair.a] = disturbed[pair.b] = true;
     }
-    of_all = (!of_all && converged) || ++since_all > kPushingSweeps || sweep + 2 >= kMaxIterations;
+    bool all_solved = true;
+    for (RowPair& pair : contacts.pairs()) {
+      pair.solved = !disturbed[pair.a] && !disturbed[pair.b];
+      all_solved = all_solved && pair.solved;
+    }
+    if (all_solved) break;
   }
-  for (const SolvedRow& of : all) {
-    ContactConstraint& row = *of.row;
-    row.normal_impulse_n_s = of.impulse_n_s;
-    row.friction_impulse_n_s = vector(of.friction_n_s);
-    if (of.impulse_n_s <= 0.0) continue;
-    const Vector3d push = row.normal_impulse_n_s * row.normal, impulse = push + row.friction_impulse_n_s;
-    if (of.a.corrections) row.a->count_impulse(row.point_m, impulse);
-    if (of.b.corrections) row.b->count_impulse(row.point_m, -impulse);
-    row.a->record_impulse(row.anchor_a, {row.point_m, impulse, push, row.other_body_id});
-    row.b->record_impulse(row.anchor_b, {row.point_m, -impulse, -push, row.body_id});
-  }
+  for (RowPair& pair : contacts.pairs()) pair.solved = false;
+  contacts.visit_unsolved([](RowPair& pair) {
+    for (const SolvedRow& row : pair.all()) record(row);
+  });
 }
 
 }  // namespace livegs

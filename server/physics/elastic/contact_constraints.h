@@ -10,8 +10,9 @@
 
 // Contact between elastic bodies during their steps and other moving bodies. Rows with accumulated impulses
 // are solved together by projected Gauss-Seidel (Erleben 2007, Velocity-based shock propagation, section 2),
-// so that all contact points share the load. Double precision; rows are prepared on several threads and swept
-// on one.
+// so that all contact points share the load. The rows of two bodies are swept several times in a row; pairs
+// of bodies that share no body are swept on several threads, with the same result for any number. Double
+// precision.
 
 namespace livegs {
 
