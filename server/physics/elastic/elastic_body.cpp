@@ -2,9 +2,9 @@
 #include "physics/elastic_body.h"
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
+#include "physics/check/check_values.h"
 #include "physics/surface_friction.h"
 
 namespace livegs {
@@ -18,13 +18,7 @@ constexpr double kMaxCoordinate_m = 1e6;
 constexpr double kMaxExtentInEdges = 1e6;
 
 Error not_physical(const ElasticBodyDescription& description, const std::string& what) {
-  return invalid_argument("object " + std::to_string(description.object_id) + ": " + what);
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
+  return object_error(description.object_id, what);
 }
 
 bool finite(const Vector3d& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate_m; }
@@ -46,7 +40,8 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
     if (!finite(set.positions_m[i]))
       return not_physical(d, "a particle position is not finite or beyond 1e6 m; check the unit");
     if (!std::isfinite(set.volumes_m3[i]) || set.volumes_m3[i] <= 0.0) {
-      return not_physical(d, "a particle volume is " + number(set.volumes_m3[i]) + "; it must be above 0");
+      return not_physical(d,
+                          "a particle volume is " + number_text(set.volumes_m3[i]) + "; it must be above 0");
     }
     volume += set.volumes_m3[i];
     low = low.cwiseMin(set.positions_m[i]);
@@ -66,26 +61,11 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
   return {};
 }
 
-Result<void> check_material(const ElasticBodyDescription& d) {
-  const Material& m = d.material;
-  if (!(m.mass_kg > 0.0) || !std::isfinite(m.mass_kg)) {
-    return not_physical(d, "mass_kg is " + number(m.mass_kg) + "; it must be above 0");
-  }
-  const double stiffness = m.effective_youngs_modulus_pa();
-  if (!(stiffness > 0.0) || !std::isfinite(stiffness)) {
-    return not_physical(
-        d, "youngs_modulus_pa times structure_coefficient is " + number(stiffness) + "; it must be above 0");
-  }
-  if (!(m.poisson_ratio >= 0.0 && m.poisson_ratio <= 0.49)) {
-    return not_physical(d, "poisson_ratio is " + number(m.poisson_ratio) + "; it must be 0 to 0.49");
-  }
-  if (!(m.loss_factor >= 0.0 && m.loss_factor <= 2.0)) {
-    return not_physical(d, "loss_factor is " + number(m.loss_factor) + "; it must be 0 to 2");
-  }
-  if (!(m.friction >= 0.0) || !std::isfinite(m.friction)) {
-    return not_physical(d, "friction is " + number(m.friction) + "; it must be 0 or above");
-  }
-  return {};
+Result<void> check_stiffness(const ElasticBodyDescription& d) {
+  const double stiffness = d.material.effective_youngs_modulus_pa();
+  if (stiffness > 0.0 && std::isfinite(stiffness)) return {};
+  return not_physical(d, "youngs_modulus_pa times structure_coefficient is " + number_text(stiffness) +
+                             "; it must be above 0");
 }
 
 Result<void> check_motion(const ElasticBodyDescription& d) {
@@ -93,24 +73,22 @@ Result<void> check_motion(const ElasticBodyDescription& d) {
       !finite(d.angular_velocity_rad_s) || !d.initial_deformation.allFinite()) {
     return not_physical(d, "pose, velocity or initial_deformation is not finite; check the input");
   }
-  if (!(std::abs(d.world_from_object.orientation.norm() - 1.0) < 1e-3)) {
-    return not_physical(d, "orientation is not a unit quaternion; normalise it");
-  }
   for (const BodyRegion& region : d.regions) {
     if (!region.min_m.allFinite() || !region.max_m.allFinite() || !region.traction_pa.allFinite()) {
       return not_physical(d, "region " + region.name + " is not finite; check its box and traction");
     }
     if (!region.material) continue;
     if (const double own = region.material->friction.value_or(0.0); !(own >= 0.0 && own <= kMaxFriction))
-      return not_physical(d,
-                          "region " + region.name + ": friction is " + number(own) + "; it must be 0 to 2");
+      return not_physical(
+          d, "region " + region.name + ": friction is " + number_text(own) + "; it must be 0 to 2");
     if (const double factor = region.material->friction_factor;
         !(factor >= 0.0 && factor <= kMaxFrictionFactor))
-      return not_physical(
-          d, "region " + region.name + ": friction_factor is " + number(factor) + "; it must be 0 to 1000");
+      return not_physical(d, "region " + region.name + ": friction_factor is " + number_text(factor) +
+                                 "; it must be 0 to 1000");
   }
   if (!(d.cell_width_m >= 0.0) || !std::isfinite(d.cell_width_m)) {
-    return not_physical(d, "cell_width_m is " + number(d.cell_width_m) + "; it must be 0 (chosen) or above");
+    return not_physical(
+        d, "cell_width_m is " + number_text(d.cell_width_m) + "; it must be 0 (chosen) or above");
   }
   return {};
 }
@@ -131,10 +109,11 @@ const char* name_of(ElasticBand band) {
 }
 
 Result<void> check_elastic_body(const ElasticBodyDescription& description) {
-  for (const auto& check : {check_particles, check_material, check_motion}) {
-    if (Result<void> checked = check(description); !checked) return checked;
-  }
-  return {};
+  LIVEGS_RETURN_IF_ERROR(check_particles(description));
+  LIVEGS_RETURN_IF_ERROR(check_material(description.object_id, description.material));
+  LIVEGS_RETURN_IF_ERROR(check_stiffness(description));
+  LIVEGS_RETURN_IF_ERROR(check_pose(description.object_id, description.world_from_object));
+  return check_motion(description);
 }
 
 void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}

@@ -9,14 +9,11 @@
 namespace livegs {
 
 Result<void> check_settings(const WorldSettings& settings);
-Result<void> check_pose(uint32_t object_id, const Pose& pose);
-Result<void> check_material(uint32_t object_id, const Material& material);
 // Range of a breakable body's threshold, equal to the range in scene files. Below the minimum, standing would
 // count as an impact.
 inline constexpr double kMinBreakImpulse_n_s = 1e-6, kMaxBreakImpulse_n_s = 1e6;
 Result<void> check_break_impulse(uint32_t object_id, const Material& material);
 Result<void> check_rigid(const RigidBodyDescription& description);
 Result<void> check_ball(const BallDescription& description);
-Result<void> check_elastic(const ElasticBodyDescription& description);
 
 }  // namespace livegs

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/assert.h"
+#include "physics/check/check_values.h"
 #include "physics/collision/convex_polyhedron.h"
 #include "physics/elastic/factory/make_elastic_body.h"
 #include "physics/world/check_descriptions.h"
@@ -109,8 +110,7 @@ namespace {
 
 Result<void> check_new_id(const WorldObject* present, uint32_t object_id) {
   if (!present) return {};
-  return invalid_argument("object " + std::to_string(object_id) +
-                          ": the id is already in use; choose another");
+  return object_error(object_id, "the id is already in use; choose another");
 }
 
 Pose normalized(Pose pose) {
@@ -192,7 +192,6 @@ Result<void> World::add_ball(const BallDescription& description) {
 Result<void> World::add_elastic(const ElasticBodyDescription& description) {
   const uint32_t id = description.object_id;
   if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
-  if (auto checked = check_elastic(description); !checked) return checked;
   const WorldSettings& settings = state_->settings;
   auto body = make_elastic_body(description, settings.elastic_solver, settings.rate_hz, settings.substeps,
                                 settings.sleep);
@@ -270,9 +269,7 @@ void World::remove(uint32_t object_id) {
 Result<void> World::place(uint32_t object_id, const Pose& world_from_object,
                           const Eigen::Vector3d& velocity_m_s,
                           const Eigen::Vector3d& angular_velocity_rad_s) {
-  const auto fail = [&](const char* why) {
-    return invalid_argument("object " + std::to_string(object_id) + ": " + why);
-  };
+  const auto fail = [&](const char* why) { return object_error(object_id, why); };
   WorldObject* object = state_->find(object_id);
   if (!object) return fail("unknown id; give the id of an object in the world");
   if (object->fixed()) return fail("is static and cannot be moved; set its behavior to RIGID or ELASTIC");
@@ -314,12 +311,10 @@ void World::clear_force(uint64_t force_id) {
 Result<void> World::set_material(uint32_t object_id, const Material& material) {
   WorldObject* object = state_->find(object_id);
   if (!object)
-    return not_found("object " + std::to_string(object_id) +
-                     ": unknown id; give the id of an object in the world");
+    return not_found(object_name(object_id) + ": unknown id; give the id of an object in the world");
   const Material* present = this->material(object_id);
   if (present->behavior != material.behavior) {
-    return invalid_argument("object " + std::to_string(object_id) +
-                            ": behavior cannot change; remove the object and add it again");
+    return object_error(object_id, "behavior cannot change; remove the object and add it again");
   }
   if (StaticObject* fixed = object->fixed()) {
     fixed->material = material;
@@ -364,7 +359,7 @@ Result<void> World::release_region(uint32_t object_id, const std::string& region
   WorldObject* object = state_->find(object_id);
   ElasticObject* elastic = object ? object->elastic() : nullptr;
   if (!elastic || !elastic->body->release_region(region)) {
-    return not_found("object " + std::to_string(object_id) + ": no fixed or moved region is named " + region +
+    return not_found(object_name(object_id) + ": no fixed or moved region is named " + region +
                      "; name one of the object");
   }
   object->wake();

@@ -19,6 +19,7 @@
 #include <numeric>
 #include <utility>
 
+#include "physics/check/check_values.h"
 #include "physics/fracture/fracture_recoil.h"
 #include "physics/world/world_state.h"
 
@@ -265,7 +266,7 @@ void World::State::process_impacts() {
 }
 
 Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces) {
-  const std::string name = "object " + std::to_string(object_id);
+  const std::string name = object_name(object_id);
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
   if (!object) return not_found(name + ": there is no rigid object with this id; give the id of one");
@@ -293,7 +294,7 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
 }
 
 Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m) {
-  const std::string name = "object " + std::to_string(object_id);
+  const std::string name = object_name(object_id);
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
   if (!object) return not_found(name + ": there is no rigid object with this id; give the id of one");

@@ -14,7 +14,7 @@
 #include <numbers>
 
 #include "geometry/mesh/triangle_distance.h"
-#include "physics/world/check_descriptions.h"
+#include "physics/check/check_values.h"
 #include "physics/world/spring.h"
 #include "physics/world/world_state.h"
 
@@ -231,7 +231,7 @@ Eigen::Vector3d World::spring_force_n(uint64_t spring_id) const {
 Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand,
                          const Grip& grip) {
   release_grab(grab_id);
-  const std::string name = "object " + std::to_string(object_id);
+  const std::string name = object_name(object_id);
   const WorldObject* object = state_->find(object_id);
   if (!object) return not_found("grab: " + name + " is unknown; give the id of an object in the world");
   if (object->fixed())

@@ -3,21 +3,21 @@
 #include <cmath>
 
 #include "core/disjoint_sets.h"
+#include "physics/check/check_values.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
 namespace {
 
-std::string named(uint32_t object_id) { return "object " + std::to_string(object_id); }
-
 // Rigid object of a joint, or an error.
 Result<RigidObject*> rigid_part(WorldObject* object, uint32_t object_id) {
-  if (!object) return not_found("joint: unknown " + named(object_id));
+  if (!object) return not_found("joint: unknown " + object_name(object_id));
   if (object->elastic()) {
-    return invalid_argument("joint: " + named(object_id) + " is elastic; joints hold rigid objects only");
+    return invalid_argument("joint: " + object_name(object_id) +
+                            " is elastic; joints hold rigid objects only");
   }
   if (object->fixed()) {
-    return invalid_argument("joint: " + named(object_id) + " is static; name the moving object first");
+    return invalid_argument("joint: " + object_name(object_id) + " is static; name the moving object first");
   }
   return object->rigid();
 }
@@ -28,10 +28,11 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
   auto part = rigid_part(find(description.object_id), description.object_id);
   if (!part) return part.error();
   if (!description.point_m.allFinite()) {
-    return invalid_argument("joint of " + named(description.object_id) + ": point_m is not finite");
+    return invalid_argument("joint of " + object_name(description.object_id) + ": point_m is not finite");
   }
   if (!(description.axis.norm() > 1e-9) || !description.axis.allFinite()) {
-    return invalid_argument("joint of " + named(description.object_id) + ": axis is zero or not finite");
+    return invalid_argument("joint of " + object_name(description.object_id) +
+                            ": axis is zero or not finite");
   }
   ActiveJoint held;
   held.object_id = description.object_id;
@@ -45,7 +46,7 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
   held.other_axis = body.world_from_body.orientation * held.axis;
   if (description.other_id) {
     if (*description.other_id == description.object_id) {
-      return invalid_argument("joint: " + named(description.object_id) + " cannot be joined to itself");
+      return invalid_argument("joint: " + object_name(description.object_id) + " cannot be joined to itself");
     }
     WorldObject* other = find(*description.other_id);
     if (!other || !other->fixed()) {
