@@ -50,6 +50,7 @@ struct Member {
 };
 
 BodyRow body_row(const FlatState& state, const FlatTick& tick) {
+  const MomentumLedger& ledger = state.ledger;
   BodyRow row;
   std::memset(static_cast<void*>(&row), 0, sizeof row);
   row.gravity = row_of(tick.gravity_m_s2);
@@ -57,7 +58,7 @@ BodyRow body_row(const FlatState& state, const FlatTick& tick) {
   const Eigen::Vector3d push = state.step_s * (state.mass_kg * tick.gravity_m_s2 + state.load_n);
   row.push_n_s = row_of(push);
   row.push_low = low_row_of(push);
-  set_columns(state.map, row.map_x, row.map_y, row.map_z);
+  set_columns(ledger.map, row.map_x, row.map_y, row.map_z);
   row.mass_kg = static_cast<float>(state.mass_kg);
   row.step_s = static_cast<float>(state.step_s);
   row.damping_per_s = static_cast<float>(state.damping_per_s);
@@ -79,27 +80,28 @@ BodyRow body_row(const FlatState& state, const FlatTick& tick) {
   row.deviation_m_s = static_cast<float>(state.deviation_m_s);
   row.pressed_n = static_cast<float>(state.pressed_n);
   row.carried_n = static_cast<float>(state.carried_n);
-  const Eigen::Vector4f q = state.orientation.coeffs().cast<float>();
+  const Eigen::Vector4f q = ledger.step_orientation.coeffs().cast<float>();
   row.orientation = {q.x(), q.y(), q.z(), q.w()};
-  row.momentum = row_of(state.momentum);
-  row.momentum_low = low_row_of(state.momentum);
-  row.angular = row_of(state.angular);
-  row.angular_low = low_row_of(state.angular);
-  row.momentum_before = row_of(state.momentum_before);
-  row.angular_before = row_of(state.angular_before);
-  row.velocity_correction = row_of(state.velocity_correction);
-  row.spin_correction = row_of(state.spin_correction);
-  row.contact_lag_m = row_of(state.contact_lag_m);
-  row.between_n_s = row_of(state.between_n_s);
-  row.centre = row_of(state.centre_m);
+  row.momentum = row_of(ledger.motion.momentum);
+  row.momentum_low = low_row_of(ledger.motion.momentum);
+  row.angular = row_of(ledger.motion.angular_momentum);
+  row.angular_low = low_row_of(ledger.motion.angular_momentum);
+  row.momentum_before = row_of(ledger.momentum_before);
+  row.angular_before = row_of(ledger.angular_before);
+  row.velocity_correction = row_of(ledger.velocity_correction);
+  row.spin_correction = row_of(ledger.spin_correction);
+  row.contact_lag_m = row_of(ledger.contact_lag_m);
+  row.between_n_s = row_of(ledger.between_steps_impulse);
+  row.centre = row_of(ledger.motion.centre_m);
   row.load_torque = row_of(state.load_torque);
-  set_columns(state.inertia, row.inertia_x, row.inertia_y, row.inertia_z);
-  set_columns(state.node_inertia, row.nodes_x, row.nodes_y, row.nodes_z);
+  set_columns(ledger.motion.inertia, row.inertia_x, row.inertia_y, row.inertia_z);
+  set_columns(ledger.node_inertia, row.nodes_x, row.nodes_y, row.nodes_z);
   return row;
 }
 
 // The body's part of the state after the steps.
 void read_body(const BodyRow& row, FlatState& state) {
+  MomentumLedger& ledger = state.ledger;
   state.first = row.first != 0;
   state.strained = row.strained != 0;
   state.touching = row.touching != 0;
@@ -110,13 +112,13 @@ void read_body(const BodyRow& row, FlatState& state) {
   state.deviation_m_s = row.deviation_m_s;
   state.pressed_n = row.pressed_n;
   state.carried_n = row.carried_n;
-  state.orientation =
+  ledger.step_orientation =
       Eigen::Quaterniond(row.orientation.w, row.orientation.x, row.orientation.y, row.orientation.z);
-  state.momentum = vector_of(row.momentum) + vector_of(row.momentum_low);
-  state.angular = vector_of(row.angular) + vector_of(row.angular_low);
-  state.momentum_before = vector_of(row.momentum_before);
-  state.angular_before = vector_of(row.angular_before);
-  state.contact_lag_m = vector_of(row.contact_lag_m);
+  ledger.motion.momentum = vector_of(row.momentum) + vector_of(row.momentum_low);
+  ledger.motion.angular_momentum = vector_of(row.angular) + vector_of(row.angular_low);
+  ledger.momentum_before = vector_of(row.momentum_before);
+  ledger.angular_before = vector_of(row.angular_before);
+  ledger.contact_lag_m = vector_of(row.contact_lag_m);
   state.strain_squared = uintBitsToFloat(row.strain_bits);
   state.bent_squared = uintBitsToFloat(row.bent_bits);
   state.contact_n_s = row.contact_n_s;

@@ -10,6 +10,7 @@
 
 #include "physics/collider.h"
 #include "physics/elastic_body.h"
+#include "physics/motion/momentum_ledger.h"
 
 // An elastic body as flat arrays, for a device that takes all steps of a tick at once (server/device). The
 // body prepares a tick and takes over its result; everything between ticks (end_frame) stays with the body.
@@ -84,7 +85,6 @@ struct FlatState {
   bool held = false, may_be_second_order = true;
   double mass_kg = 0, damping_per_s = 0, weight_n = 0, moving_part = 0, friction = 0, loss_factor = 0;
   double inverse_four_widths = 0, slow_m_s = 0, stiffness_pa = 0;
-  Eigen::Matrix3d map = Eigen::Matrix3d::Identity();
   Eigen::Vector3d load_n = Eigen::Vector3d::Zero(), load_torque = Eigen::Vector3d::Zero();
   std::vector<FlatVector> loads_n;  // by node; empty: none
   std::vector<FlatCollider> colliders;
@@ -95,12 +95,7 @@ struct FlatState {
   std::vector<FlatVector> parent_m_s;  // by light node
   bool first = true, uneven = false, strained = false, touching = false, backward = false;
   double deviation_m_s = 0, pressed_n = 0, carried_n = 0;
-  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), angular = momentum;  // the second about the centre
-  Eigen::Vector3d momentum_before = momentum, angular_before = momentum;
-  Eigen::Vector3d velocity_correction = momentum, spin_correction = momentum;
-  Eigen::Vector3d contact_lag_m = momentum, between_n_s = momentum, centre_m = momentum;
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity(), node_inertia = inertia;
+  MomentumLedger ledger;
 
   // Of the steps.
   bool second_order = false, slow = false, ever_strained = false;

@@ -181,25 +181,25 @@ class FlatBlock final : public FlatBody {
     state_.inverse_four_widths = 0.25 / kWidth_m;
     state_.stiffness_pa = 1e5;
     const auto vector = [](const FlatVector& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
-    state_.centre_m.setZero();
-    state_.momentum.setZero();
+    state_.ledger.motion.centre_m.setZero();
+    state_.ledger.motion.momentum.setZero();
     for (const FlatNode& node : state_.now) {
-      state_.centre_m += kMass_kg / state_.mass_kg * vector(node.place);
-      state_.momentum += kMass_kg * vector(node.speed);
+      state_.ledger.motion.centre_m += kMass_kg / state_.mass_kg * vector(node.place);
+      state_.ledger.motion.momentum += kMass_kg * vector(node.speed);
     }
-    state_.angular.setZero();
+    state_.ledger.motion.angular_momentum.setZero();
     state_.load_torque.setZero();
     Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
     for (size_t i = 0; i < state_.now.size(); ++i) {
-      const Eigen::Vector3d r = vector(state_.now[i].place) - state_.centre_m;
+      const Eigen::Vector3d r = vector(state_.now[i].place) - state_.ledger.motion.centre_m;
       second += kMass_kg * r * r.transpose();
-      state_.angular += kMass_kg * r.cross(vector(state_.now[i].speed));
+      state_.ledger.motion.angular_momentum += kMass_kg * r.cross(vector(state_.now[i].speed));
       if (options_.loaded) state_.load_torque += r.cross(vector(state_.loads_n[i]));
     }
-    state_.node_inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
-    state_.inertia = state_.node_inertia;
-    state_.momentum_before = state_.momentum;
-    state_.angular_before = state_.angular;
+    state_.ledger.node_inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+    state_.ledger.motion.inertia = state_.ledger.node_inertia;
+    state_.ledger.momentum_before = state_.ledger.motion.momentum;
+    state_.ledger.angular_before = state_.ledger.motion.angular_momentum;
   }
 
   Options options_;

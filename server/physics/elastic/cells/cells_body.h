@@ -315,7 +315,7 @@ class CellsBody final : public ElasticBody, public FlatBody {
   cells::Plasticity plastic_;
   cells::Holding holding_;
   cells::Loads loads_;
-  cells::MomentumLedger ledger_;
+  MomentumLedger ledger_;
   cells::Surface surface_;
   cells::ColliderContacts colliders_;
   cells::BodyContacts bodies_;

@@ -204,7 +204,6 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
   state.inverse_four_widths = 0.25 / lattice_.cell_width_m;
   state.slow_m_s = slow_speed_m_s(tick.gravity_m_s2);
   state.stiffness_pa = plane_strain_modulus_pa();
-  state.map = ledger_.map;
   for (Load& load : loads_.points) {
     load.from_m = nodes_.position_m(load.sample);
     state.load_n += load.force_n;
@@ -255,18 +254,7 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
   state.deviation_m_s = step_.deviation_m_s;
   state.pressed_n = loads_.pressed_n;
   state.carried_n = loads_.carried_n;
-  state.orientation = ledger_.step_orientation;
-  state.momentum = ledger_.motion.momentum;
-  state.angular = ledger_.motion.angular_momentum;
-  state.momentum_before = ledger_.momentum_before;
-  state.angular_before = ledger_.angular_before;
-  state.velocity_correction = ledger_.velocity_correction;
-  state.spin_correction = ledger_.spin_correction;
-  state.contact_lag_m = ledger_.contact_lag_m;
-  state.between_n_s = ledger_.between_steps_impulse;
-  state.centre_m = ledger_.motion.centre_m;
-  state.inertia = ledger_.motion.inertia;
-  state.node_inertia = ledger_.node_inertia;
+  state.ledger = ledger_;
   return nullptr;
 }
 
@@ -312,10 +300,8 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   step_.bent_squared = state.bent_squared;
   recovery_.degenerate = recovery_.degenerate || state.ever_strained;
   gains_.last_step_s = state.step_s;
-  ledger_.step_orientation = state.orientation.normalized();
-  ledger_.momentum_before = state.momentum_before;
-  ledger_.angular_before = state.angular_before;
-  ledger_.contact_lag_m = state.contact_lag_m;
+  ledger_ = state.ledger;
+  ledger_.step_orientation.normalize();
   ledger_.between_steps_impulse.setZero();
   loads_.pressed_n = state.pressed_n;
   loads_.carried_n = state.carried_n;
@@ -336,11 +322,12 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   ledger_.velocity_correction.setZero();
   ledger_.spin_correction.setZero();
   if (free()) {
-    ledger_.velocity_correction = (state.momentum - ledger_.motion.momentum) / mass_kg_;
+    const BodyMomentum& motion = state.ledger.motion;
+    ledger_.velocity_correction = (motion.momentum - ledger_.motion.momentum) / mass_kg_;
     ledger_.spin_correction =
-        solve_inertia(ledger_.motion.inertia, state.angular - ledger_.motion.angular_momentum);
-    ledger_.motion.momentum = state.momentum;
-    ledger_.motion.angular_momentum = state.angular;
+        solve_inertia(ledger_.motion.inertia, motion.angular_momentum - ledger_.motion.angular_momentum);
+    ledger_.motion.momentum = motion.momentum;
+    ledger_.motion.angular_momentum = motion.angular_momentum;
   }
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   step_.spin_rad_s = spin.norm();

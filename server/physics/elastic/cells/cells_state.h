@@ -19,7 +19,7 @@
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"
 #include "physics/motion/free_rotation.h"
-#include "physics/motion/momentum.h"
+#include "physics/motion/momentum_ledger.h"
 
 // The state of a body of the `cells` solver, in parts. Each part belongs to one or two files of this folder
 // and holds data only; CellsBody (cells_body.h) composes them. Positions are relative to the body's origin.
@@ -104,32 +104,6 @@ struct Loads {
   double pressed_n = 0.0;    // sum of the contact forces, moving average
   double carried_n = 0.0;    // force passed through the body between contacts, moving average
   ContactTotal contact_total;
-};
-
-// Motion of the whole body, and the impulses on it in this substep; cells_step.cpp, cells_inertia.cpp.
-// Moments are about the origin. The inertia of `motion` is that of the material, not of the nodes, and its
-// angular momentum is inertia times spin.
-struct MomentumLedger {
-  BodyMomentum motion;
-  Matrix3d node_inertia = Matrix3d::Zero();  // of the nodes as point masses, about the centre
-  Matrix3d map = Matrix3d::Identity();       // object frame, at rest; moments of the nodes to the material's
-  Eigen::Quaterniond step_orientation = Eigen::Quaterniond::Identity();  // of the body at the current step
-  // From the previous velocities, at the current positions.
-  Vector3d momentum_before = Vector3d::Zero(), angular_before = Vector3d::Zero();
-  // Of the nodes, by the ledger.
-  Vector3d velocity_correction = Vector3d::Zero(), spin_correction = Vector3d::Zero();
-  Vector3d contact_impulse = Vector3d::Zero(), contact_moment = Vector3d::Zero();
-  Vector3d between_steps_impulse = Vector3d::Zero();  // received between the last step and this one
-  Vector3d contact_lag_m = Vector3d::Zero();          // lag of the centre of mass behind the contact impulses
-  Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
-
-  // After a change of the motion between steps: the next step starts from `motion`, without corrections.
-  void restart() {
-    momentum_before = motion.momentum;
-    angular_before = motion.angular_momentum;
-    for (Vector3d* one : {&velocity_correction, &spin_correction, &contact_lag_m, &between_steps_impulse})
-      one->setZero();
-  }
 };
 
 struct SurfaceCell {
