@@ -70,7 +70,8 @@ class FolderStore final : public ObjectStore {
     std::error_code error;
     if (!fs::is_regular_file(path, error)) return not_found(shown(name) + ": does not exist");
     std::ifstream in(path, std::ios::binary);
-    if (!in) return Error{ErrorCode::PermissionDenied, shown(name) + ": cannot be read"};
+    if (!in)
+      return Error{ErrorCode::PermissionDenied, shown(name) + ": cannot be read; check its permissions"};
     in.seekg(0, std::ios::end);
     const auto total = static_cast<std::uint64_t>(in.tellg());
     if (offset > total) return past_the_end(name, offset, total);
@@ -80,7 +81,7 @@ class FolderStore final : public ObjectStore {
       if (stop.stop_requested()) return stopped(name);
       const auto count = std::min<std::uint64_t>(piece.size(), total - offset);
       if (!in.read(reinterpret_cast<char*>(piece.data()), static_cast<std::streamsize>(count)))
-        return invalid_data(shown(name) + ": cannot be read whole");
+        return invalid_data(shown(name) + ": cannot be read whole; check its disk");
       if (auto taken = take(offset, std::span(piece).first(count)); !taken) return taken;
       offset += count;
     }

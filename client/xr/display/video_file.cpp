@@ -71,7 +71,10 @@ Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width
   signal(SIGPIPE, SIG_IGN);
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    return Error{ErrorCode::Internal, path.string() + ": the pipe to ffmpeg cannot be created"};
+    return Error{
+        ErrorCode::Internal,
+        path.string() +
+            ": the pipe to ffmpeg cannot be created; close other programs or raise the limit of open files"};
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6f", rate_hz);

@@ -75,7 +75,7 @@ Result<int> sh_degree_of(const PlyElement* sh, uint64_t count, std::string_view 
     if (sh->properties.size() == static_cast<size_t>(3 * ((degree + 1) * (degree + 1) - 1))) return degree;
   }
   return invalid_data(prefix + "has " + std::to_string(sh->properties.size()) +
-                      " properties; expected 9, 24 or 45");
+                      " properties instead of 9, 24 or 45; export it again");
 }
 
 void unpack(const std::vector<ChunkBounds>& chunks, const std::vector<uint32_t>& words,

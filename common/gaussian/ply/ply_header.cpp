@@ -115,7 +115,7 @@ Result<void> check_elements(const PlyHeader& header, uint64_t body_bytes, std::s
     if (needed > left) {
       return invalid_data(std::string(name) + ": element " + element.name + " claims " +
                           std::to_string(element.count) +
-                          " rows, more than the file can hold; the file is truncated or its header is wrong");
+                          " rows, more than the file can hold; copy or export it again");
     }
     left -= needed;
   }

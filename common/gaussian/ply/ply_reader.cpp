@@ -51,7 +51,8 @@ Result<int> sh_degree_of(const PlyElement& vertex, std::string_view name) {
   }
   if (count == 72)
     return unsupported(prefix + "has spherical harmonics of degree 4; save it with degree 3 or less");
-  return invalid_data(prefix + std::to_string(count) + " f_rest properties; expected 0, 9, 24 or 45");
+  return invalid_data(prefix + std::to_string(count) +
+                      " f_rest properties instead of 0, 9, 24 or 45; export it again");
 }
 
 // Thickness of a flat kernel, relative to its smaller deviation: thin against everything, far from underflow.
@@ -105,7 +106,7 @@ class PlyColumns {
     if (!index) {
       fail("has no property " + property + "; is this a Gaussian splat file?");
     } else if (vertex_.properties[*index].list_count_type) {
-      fail("has a list as property " + property + "; expected one number");
+      fail("has a list as property " + property + " instead of one number; export it again");
     } else {
       columns_.push_back({*index, exact ? nullptr : first, nullptr, stride, exact});
     }

@@ -97,7 +97,7 @@ Result<void> PlyRows::read_varying(const PlyElement& element, std::span<const Pl
       const bool good = property.list_count_type ? skip_list(property) : next_value(property.type, value);
       if (!good) {
         return invalid_data(name_ + ": row " + std::to_string(row) + " of element " + element.name +
-                            " has an invalid " + property.name + "; the file is truncated or damaged");
+                            " has an invalid " + property.name + "; copy or export it again");
       }
       if (column_of[p]) store(*column_of[p], row, value);
     }

@@ -24,8 +24,8 @@ Result<WebpPlane> decode_webp_plane(Bytes bytes, size_t max_pixels, std::string_
   image.width = static_cast<size_t>(features.width);
   image.height = static_cast<size_t>(features.height);
   if (image.pixels() > max_pixels) {
-    return invalid_data(prefix + "has " + std::to_string(image.pixels()) + " pixels; the limit is " +
-                        std::to_string(max_pixels) + " pixels");
+    return invalid_data(prefix + "has " + std::to_string(image.pixels()) + " pixels, more than " +
+                        std::to_string(max_pixels) + "; export it again");
   }
   image.rgba.resize(4 * image.pixels());
   if (!WebPDecodeRGBAInto(data, bytes.size(), image.rgba.data(), image.rgba.size(), 4 * features.width)) {

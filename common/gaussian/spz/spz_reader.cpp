@@ -21,11 +21,11 @@ Result<void> check_header(const SpzHeader& header, size_t file_bytes, std::strin
   if (header.count == 0) return invalid_data(prefix + "the header declares no kernels");
   if (header.sh_degree > kSpzMaxShDegree) {
     return invalid_data(prefix + "SH degree " + std::to_string(header.sh_degree) +
-                        " is not supported; expected 0 to 4");
+                        " is not supported; export it with degree 4 or less");
   }
   if (header.fractional_bits > kPositionBits) {
     return invalid_data(prefix + "positions with " + std::to_string(header.fractional_bits) +
-                        " fractional bits; at most 24 are possible");
+                        " fractional bits, of 24 possible ones; export it again");
   }
   uint64_t width = 0;
   for (const uint64_t plane : spz_plane_widths(header)) width += plane;
@@ -62,7 +62,7 @@ Result<AssetFile> read_gzipped(Bytes bytes, std::string_view name) {
   if (header.magic != kSpzMagic) return invalid_data(prefix + "is a gzip file, but does not contain an .spz");
   if (header.version < 1 || header.version > 3) {
     return unsupported(prefix + "spz version " + std::to_string(header.version) +
-                       " is not supported; expected 1 to 4");
+                       " is not supported; export it as version 1 to 4");
   }
   const Result<void> checked = check_header(header, bytes.size(), name);
   if (!checked) return checked.error();
@@ -95,7 +95,7 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
   }
   if (header.version != 4)
     return unsupported(prefix + "spz version " + std::to_string(header.version) +
-                       " is not supported; expected 1 to 4");
+                       " is not supported; export it as version 1 to 4");
   if (bytes.size() < kHeader4Bytes) return invalid_data(prefix + "ends within the spz header");
   const Result<void> checked = check_header(header, bytes.size(), name);
   if (!checked) return checked.error();
@@ -105,8 +105,9 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
   const size_t stream_count = header.reserved;
   const size_t table = load<uint32_t>(bytes, sizeof(SpzHeader));
   if (stream_count != needed) {
-    return invalid_data(prefix + "has " + std::to_string(stream_count) + " streams; SH degree " +
-                        std::to_string(header.sh_degree) + " needs " + std::to_string(needed));
+    return invalid_data(prefix + "has " + std::to_string(stream_count) + " streams, and SH degree " +
+                        std::to_string(header.sh_degree) + " needs " + std::to_string(needed) +
+                        "; export it again");
   }
   if (table < kHeader4Bytes || table > bytes.size() ||
       (bytes.size() - table) / kStreamEntryBytes < stream_count) {
@@ -120,8 +121,8 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
     const auto size = load<uint64_t>(bytes, table + p * kStreamEntryBytes + 8);
     if (size != widths[p] * header.count) {
       return invalid_data(prefix + "stream " + std::to_string(p) + " has " + std::to_string(size) +
-                          " bytes; " + std::to_string(header.count) + " kernels need " +
-                          std::to_string(widths[p] * header.count));
+                          " bytes, and " + std::to_string(header.count) + " kernels need " +
+                          std::to_string(widths[p] * header.count) + "; export it again");
     }
     if (compressed > bytes.size() - at)
       return invalid_data(prefix + "is truncated within stream " + std::to_string(p));

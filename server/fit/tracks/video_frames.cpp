@@ -51,7 +51,10 @@ Result<VideoFrames> VideoFrames::open(const std::filesystem::path& path) {
     return not_found(path.string() + ": is not a file; give the path of a video");
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    return Error{ErrorCode::Internal, path.string() + ": the pipe to ffmpeg cannot be created"};
+    return Error{
+        ErrorCode::Internal,
+        path.string() +
+            ": the pipe to ffmpeg cannot be created; close other programs or raise the limit of open files"};
   // YUV4MPEG2 is raw frames with a header of their size and rate. "file:" keeps a name with a colon from
   // being read as the address of something else.
   std::vector<std::string> words = {

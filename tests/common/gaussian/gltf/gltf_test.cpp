@@ -240,7 +240,7 @@ TEST(Gltf, RefusesWithTheReason) {
       [&](GltfSample& s) { primitive(s)["attributes"].erase("KHR_gaussian_splatting:SH_DEGREE_1_COEF_2"); },
       "SH_DEGREE_1_COEF_2");
   refused([&](GltfSample& s) { primitive(s)["extensions"]["KHR_gaussian_splatting"]["kernel"] = "cube"; },
-          "only ellipse");
+          "instead of ellipse");
   refused([](GltfSample& s) { s.json["accessors"][0]["count"] = 4000000000u; },
           "more than its buffer view holds");
   refused([](GltfSample& s) { s.json["accessors"][1]["count"] = 3; }, "3 elements for 4 kernels");
