@@ -68,8 +68,7 @@ Result<void> RecordingFile::append(std::span<const std::byte> bytes) {
     if (written <= 0) {
       const Error error{ErrorCode::Internal,
                         path_.string() + ": cannot be written: " +
-                            (written < 0 ? std::strerror(errno) : "no bytes were written") +
-                            "; free space on its disk"};
+                            (written < 0 ? std::strerror(errno) : "no bytes were written")};
       if (at > size_ && ::ftruncate(descriptor_, static_cast<off_t>(size_)) != 0) {
         // A reader stops before the incomplete chunk.
       }

@@ -98,7 +98,9 @@ class FolderStore final : public ObjectStore {
     std::error_code error;
     if (!fs::is_regular_file(folder_ / name, error)) return std::optional<std::uint64_t>();
     const auto bytes = fs::file_size(folder_ / name, error);
-    if (error) return Error{ErrorCode::PermissionDenied, shown(name) + ": " + error.message()};
+    if (error)
+      return Error{ErrorCode::PermissionDenied,
+                   shown(name) + ": " + error.message() + "; check its permissions"};
     return std::optional<std::uint64_t>(bytes);
   }
 

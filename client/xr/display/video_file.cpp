@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "core/file.h"
 #include "core/written_files.h"
 
 extern char** environ;
@@ -70,11 +71,7 @@ Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width
   // A terminated ffmpeg must show as a failed write, not as a signal.
   signal(SIGPIPE, SIG_IGN);
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    return Error{
-        ErrorCode::Internal,
-        path.string() +
-            ": the pipe to ffmpeg cannot be created; close other programs or raise the limit of open files"};
+  if (::pipe2(ends, O_CLOEXEC) != 0) return file_error(path, "the pipe to ffmpeg cannot be created");
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6f", rate_hz);

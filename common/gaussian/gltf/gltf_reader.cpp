@@ -320,7 +320,7 @@ class GltfSplats {
     const Json& kernel = member_of(splats, "kernel");
     if (kernel.is_string() && kernel != "ellipse")
       return document_.missing("has kernels of the kind " + quoted_name(kernel.get<std::string>()) +
-                               " instead of ellipse; export it with ellipse");
+                               " instead of ellipse; export it with the kernel ellipse");
     return std::optional(Source{&splats, spz});
   }
 

@@ -101,7 +101,7 @@ class SogDecoder {
       const uint8_t* p = image->pixel(i);
       if (p[3] < kFirstQuaternionTag) {
         return off("the rotation of kernel " + std::to_string(i) + " has tag " + std::to_string(p[3]) +
-                   " outside 252 to 255; export it again");
+                   ", outside 252 to 255; export it again");
       }
       const Eigen::Vector4f wxyz = from_smallest_three(p[3] - kFirstQuaternionTag,
                                                        {component(p[0]), component(p[1]), component(p[2])});
@@ -138,8 +138,9 @@ class SogDecoder {
     if (!image) return image.error();
     if (image->width != width || image->height < rows) {
       return off("image " + palette.centroids_file + " is " + std::to_string(image->width) + " x " +
-                 std::to_string(image->height) + ", and " + std::to_string(palette.count) + " entries need " +
-                 std::to_string(width) + " x " + std::to_string(rows) + "; export it again");
+                 std::to_string(image->height) + " instead of " + std::to_string(width) + " x " +
+                 std::to_string(rows) + " for its " + std::to_string(palette.count) +
+                 " entries; export it again");
     }
     for (size_t i = 0; i < meta_.count; ++i) {
       const size_t label = static_cast<size_t>(labels->pixel(i)[0] | labels->pixel(i)[1] << 8);

@@ -24,8 +24,8 @@ Result<void> check_header(const SpzHeader& header, size_t file_bytes, std::strin
                         " is not supported; export it with degree 4 or less");
   }
   if (header.fractional_bits > kPositionBits) {
-    return invalid_data(prefix + "positions with " + std::to_string(header.fractional_bits) +
-                        " fractional bits, of 24 possible ones; export it again");
+    return invalid_data(prefix + "has positions with " + std::to_string(header.fractional_bits) +
+                        " fractional bits, more than 24; export it again");
   }
   uint64_t width = 0;
   for (const uint64_t plane : spz_plane_widths(header)) width += plane;
@@ -105,8 +105,8 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
   const size_t stream_count = header.reserved;
   const size_t table = load<uint32_t>(bytes, sizeof(SpzHeader));
   if (stream_count != needed) {
-    return invalid_data(prefix + "has " + std::to_string(stream_count) + " streams, and SH degree " +
-                        std::to_string(header.sh_degree) + " needs " + std::to_string(needed) +
+    return invalid_data(prefix + "has " + std::to_string(stream_count) + " streams instead of the " +
+                        std::to_string(needed) + " of SH degree " + std::to_string(header.sh_degree) +
                         "; export it again");
   }
   if (table < kHeader4Bytes || table > bytes.size() ||
@@ -121,8 +121,8 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
     const auto size = load<uint64_t>(bytes, table + p * kStreamEntryBytes + 8);
     if (size != widths[p] * header.count) {
       return invalid_data(prefix + "stream " + std::to_string(p) + " has " + std::to_string(size) +
-                          " bytes, and " + std::to_string(header.count) + " kernels need " +
-                          std::to_string(widths[p] * header.count) + "; export it again");
+                          " bytes instead of " + std::to_string(widths[p] * header.count) +
+                          "; export it again");
     }
     if (compressed > bytes.size() - at)
       return invalid_data(prefix + "is truncated within stream " + std::to_string(p));

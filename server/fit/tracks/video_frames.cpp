@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "core/file.h"
 #include "core/text/format_text.h"
 
 extern char** environ;
@@ -50,11 +51,7 @@ Result<VideoFrames> VideoFrames::open(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, error))
     return not_found(path.string() + ": is not a file; give the path of a video");
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    return Error{
-        ErrorCode::Internal,
-        path.string() +
-            ": the pipe to ffmpeg cannot be created; close other programs or raise the limit of open files"};
+  if (::pipe2(ends, O_CLOEXEC) != 0) return file_error(path, "the pipe to ffmpeg cannot be created");
   // YUV4MPEG2 is raw frames with a header of their size and rate. "file:" keeps a name with a colon from
   // being read as the address of something else.
   std::vector<std::string> words = {
