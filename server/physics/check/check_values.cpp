@@ -22,25 +22,25 @@ std::string number_text(double value) {
 
 Result<void> check_range(uint32_t id, const char* field, double value, double low, double high) {
   if (value >= low && value <= high) return {};
-  return object_error(id, std::string(field) + " " + number_text(value) + " is outside " + number_text(low) +
-                              " to " + number_text(high));
+  return object_error(id, std::string(field) + " is " + number_text(value) + "; it must be " +
+                              number_text(low) + " to " + number_text(high));
 }
 
 Result<void> check_positive(uint32_t id, const char* field, double value) {
   if (value > 0.0 && std::isfinite(value)) return {};
-  return object_error(id, std::string(field) + " " + number_text(value) + " is not a positive number");
+  return object_error(id, std::string(field) + " is " + number_text(value) + "; it must be above 0");
 }
 
 Result<void> check_finite(uint32_t id, const char* field, const Eigen::Vector3d& value) {
   if (value.allFinite()) return {};
-  return object_error(id, std::string(field) + " is not finite");
+  return object_error(id, std::string(field) + " is not finite; check the input");
 }
 
 Result<void> check_pose(uint32_t object_id, const Pose& pose) {
   LIVEGS_RETURN_IF_ERROR(check_finite(object_id, "position_m", pose.position_m));
   // The tolerance admits quaternions printed with nine digits.
   if (!(std::abs(pose.orientation.norm() - 1.0) < 1e-3)) {
-    return object_error(object_id, "orientation is not a unit quaternion");
+    return object_error(object_id, "orientation is not a unit quaternion; normalise it");
   }
   return {};
 }
@@ -58,6 +58,11 @@ Result<void> check_material(uint32_t object_id, const Material& material) {
   if (material.behavior == Behavior::Auto)
     return object_error(object_id, "behavior is AUTO; analyse the object first");
   return {};
+}
+
+Result<void> check_stiffness(uint32_t object_id, const Material& material) {
+  return check_positive(object_id, "youngs_modulus_pa times structure_coefficient",
+                        material.effective_youngs_modulus_pa());
 }
 
 }  // namespace livegs

@@ -9,7 +9,8 @@
 #include "core/result.h"
 #include "physics/material.h"
 
-// Checks of the values in descriptions of objects. Errors: "object N: FIELD VALUE is outside LOW to HIGH".
+// Checks of the values in descriptions of objects. Errors: "object N: FIELD is VALUE; it must be LOW to
+// HIGH".
 
 namespace livegs {
 
@@ -22,6 +23,8 @@ Result<void> check_positive(uint32_t id, const char* field, double value);
 Result<void> check_finite(uint32_t id, const char* field, const Eigen::Vector3d& value);
 Result<void> check_pose(uint32_t object_id, const Pose& pose);
 Result<void> check_material(uint32_t object_id, const Material& material);
+// Of an elastic body.
+Result<void> check_stiffness(uint32_t object_id, const Material& material);
 
 }  // namespace livegs
 

@@ -61,30 +61,23 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
   return {};
 }
 
-Result<void> check_stiffness(const ElasticBodyDescription& d) {
-  const double stiffness = d.material.effective_youngs_modulus_pa();
-  if (stiffness > 0.0 && std::isfinite(stiffness)) return {};
-  return not_physical(d, "youngs_modulus_pa times structure_coefficient is " + number_text(stiffness) +
-                             "; it must be above 0");
-}
-
 Result<void> check_motion(const ElasticBodyDescription& d) {
-  if (!finite(d.world_from_object.position_m) || !finite(d.velocity_m_s) ||
-      !finite(d.angular_velocity_rad_s) || !d.initial_deformation.allFinite()) {
-    return not_physical(d, "pose, velocity or initial_deformation is not finite; check the input");
-  }
+  LIVEGS_RETURN_IF_ERROR(check_finite(d.object_id, "velocity_m_s", d.velocity_m_s));
+  LIVEGS_RETURN_IF_ERROR(check_finite(d.object_id, "angular_velocity_rad_s", d.angular_velocity_rad_s));
+  if (!finite(d.world_from_object.position_m) || !finite(d.velocity_m_s) || !finite(d.angular_velocity_rad_s))
+    return not_physical(d, "position or velocity is beyond 1e6; check the unit");
+  if (!d.initial_deformation.allFinite())
+    return not_physical(d, "initial_deformation is not finite; check the input");
   for (const BodyRegion& region : d.regions) {
     if (!region.min_m.allFinite() || !region.max_m.allFinite() || !region.traction_pa.allFinite()) {
       return not_physical(d, "region " + region.name + " is not finite; check its box and traction");
     }
     if (!region.material) continue;
-    if (const double own = region.material->friction.value_or(0.0); !(own >= 0.0 && own <= kMaxFriction))
-      return not_physical(
-          d, "region " + region.name + ": friction is " + number_text(own) + "; it must be 0 to 2");
-    if (const double factor = region.material->friction_factor;
-        !(factor >= 0.0 && factor <= kMaxFrictionFactor))
-      return not_physical(d, "region " + region.name + ": friction_factor is " + number_text(factor) +
-                                 "; it must be 0 to 1000");
+    const std::string name = "region " + region.name + ": ";
+    LIVEGS_RETURN_IF_ERROR(check_range(d.object_id, (name + "friction").c_str(),
+                                       region.material->friction.value_or(0.0), 0.0, kMaxFriction));
+    LIVEGS_RETURN_IF_ERROR(check_range(d.object_id, (name + "friction_factor").c_str(),
+                                       region.material->friction_factor, 0.0, kMaxFrictionFactor));
   }
   if (!(d.cell_width_m >= 0.0) || !std::isfinite(d.cell_width_m)) {
     return not_physical(
@@ -111,7 +104,7 @@ const char* name_of(ElasticBand band) {
 Result<void> check_elastic_body(const ElasticBodyDescription& description) {
   LIVEGS_RETURN_IF_ERROR(check_particles(description));
   LIVEGS_RETURN_IF_ERROR(check_material(description.object_id, description.material));
-  LIVEGS_RETURN_IF_ERROR(check_stiffness(description));
+  LIVEGS_RETURN_IF_ERROR(check_stiffness(description.object_id, description.material));
   LIVEGS_RETURN_IF_ERROR(check_pose(description.object_id, description.world_from_object));
   return check_motion(description);
 }

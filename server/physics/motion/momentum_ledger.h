@@ -14,15 +14,17 @@ struct MomentumLedger {
   Eigen::Matrix3d map =
       Eigen::Matrix3d::Identity();  // object frame, at rest; moments of the nodes to the material's
   Eigen::Quaterniond step_orientation = Eigen::Quaterniond::Identity();  // of the body at the current step
-  // From the previous velocities, at the current positions.
+  // From the previous velocities, at the current positions; kg m/s and kg m²/s.
   Eigen::Vector3d momentum_before = Eigen::Vector3d::Zero(), angular_before = Eigen::Vector3d::Zero();
-  // Of the nodes, by the ledger.
+  // What the nodes still lack of `motion`, m/s and rad/s.
   Eigen::Vector3d velocity_correction = Eigen::Vector3d::Zero(), spin_correction = Eigen::Vector3d::Zero();
+  // Of the contacts of this step, N s and N m s.
   Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero(), contact_moment = Eigen::Vector3d::Zero();
-  Eigen::Vector3d between_steps_impulse =
-      Eigen::Vector3d::Zero();  // received between the last step and this one
-  Eigen::Vector3d contact_lag_m =
-      Eigen::Vector3d::Zero();  // lag of the centre of mass behind the contact impulses
+  // Received between the last step and this one, N s.
+  Eigen::Vector3d between_steps_impulse = Eigen::Vector3d::Zero();
+  // Lag of the centre of mass behind the contact impulses.
+  Eigen::Vector3d contact_lag_m = Eigen::Vector3d::Zero();
+  // At the end of the step, with the loads and, after them, the contacts; kg m/s and kg m²/s.
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
 
   // After a change of the motion between steps: the next step starts from `motion`, without corrections.

@@ -2,7 +2,6 @@
 #include "physics/world/check_descriptions.h"
 
 #include <Eigen/Eigenvalues>
-#include <cmath>
 
 #include "physics/check/check_values.h"
 

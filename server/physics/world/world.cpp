@@ -341,6 +341,7 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
       piece.inertia *= growth;
     }
   } else {
+    if (auto checked = check_stiffness(object_id, material); !checked) return checked;
     ElasticBody& body = *object->elastic()->body;
     const double budget = state_->settings.elastic_node_substeps;
     double left = budget;

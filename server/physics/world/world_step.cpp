@@ -55,8 +55,8 @@ void World::State::gather_loads(double start_s, double duration_s) {
   gather_springs(duration_s);
 }
 
-// Elastic bodies that share a rigid body are stepped on one thread, in ascending order. Independent groups
-// run on different threads.
+// Sets of elastic bodies that share a rigid body are stepped one after the other, in ascending order.
+// Independent groups run on different threads.
 void World::State::step_elastic(double start_s, double duration_s) {
   const auto groups = build_elastic_groups(duration_s);
   parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {

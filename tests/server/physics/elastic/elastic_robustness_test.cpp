@@ -155,6 +155,21 @@ TEST(ElasticBody, RejectsUnphysicalDescriptions) {
   bad = good;
   bad.material.youngs_modulus_pa = -1.0;
   EXPECT_NE(message(bad).find("youngs_modulus_pa"), std::string::npos);
+  bad = good;
+  bad.material.friction = 3.0;
+  EXPECT_EQ(message(bad), "object 1: friction is 3; it must be 0 to 2");
+  bad = good;
+  bad.material.plasticity = -1.0;
+  EXPECT_NE(message(bad).find("plasticity"), std::string::npos);
+  bad = good;
+  bad.material.restitution = std::nan("");
+  EXPECT_NE(message(bad).find("restitution"), std::string::npos);
+  bad = good;
+  bad.material.structure_coefficient = 0.0;
+  EXPECT_NE(message(bad).find("structure_coefficient"), std::string::npos);
+  bad = good;
+  bad.material.behavior = Behavior::Auto;
+  EXPECT_NE(message(bad).find("AUTO"), std::string::npos);
   EXPECT_NE(message(good, 0.0).find("rate_hz"), std::string::npos);
   EXPECT_NE(message(good, 60, 0).find("substeps"), std::string::npos);
 }
