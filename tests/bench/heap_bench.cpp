@@ -2,9 +2,8 @@
 // Time of a tick while soft boxes of 20 x 15 x 20 cm and 30 kPa fall into a bin and come to rest, by number
 // of boxes and number of threads. Prints CSV: `heap_bench > results/<machine>/heap.csv`. `landing` is the
 // first 3 s, `resting` the rest of 8 s. `asleep_s`: when the last box sleeps; 8 if some are awake at the
-// end. `apart` puts the boxes next to each other on the floor. Bounds for 40 boxes: p99 11 ms, asleep within
-// 5 s; cost in proportion to the number up to 160.
-#include <CLI/CLI.hpp>
+// end. `--boxes` times single heaps. `apart` puts the boxes next to each other on the floor. Bounds for 40
+// boxes: p99 11 ms, asleep within 5 s; cost in proportion to the number up to 160.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +14,7 @@
 #include "core/clock.h"
 #include "core/parallel_for.h"
 #include "scenes/soft_fixtures.h"
+#include "support/arguments.h"
 
 using namespace livegs;
 using namespace livegs::soft_fixtures;
@@ -79,13 +79,16 @@ void report(int count, bool apart, int threads) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Times soft boxes that fall into a bin and come to rest. Prints CSV."};
+  CLI::App app{"Times soft boxes that fall into a bin and come to rest. Prints CSV.", "heap_bench"};
   std::vector<int> boxes;
   int threads = 2;
-  app.add_option("--boxes", boxes, "Numbers of boxes in a heap, instead of all scenes")
-      ->check(CLI::Range(1, 1000));
-  app.add_option("--threads", threads, "Threads of these heaps (default 2)")->check(CLI::Range(1, 256));
-  CLI11_PARSE(app, argc, argv);
+  CLI::Option* counts = app.add_option("--boxes", boxes, "Numbers of boxes in a heap, instead of all scenes")
+                            ->check(bench::between(1, 1000));
+  app.add_option("--threads", threads, "Threads of these heaps")
+      ->check(bench::between(1, 256))
+      ->needs(counts)
+      ->capture_default_str();
+  bench::read_arguments(app, argc, argv);
   std::printf("scene,boxes,threads,landing_ms,landing_p99_ms,resting_ms,resting_p99_ms,asleep_s\n");
   for (const int count : boxes) report(count, false, threads);
   if (!boxes.empty()) return 0;
