@@ -102,7 +102,8 @@ struct SubstepContext {
   std::span<RigidProxy* const> bodies;       // rigid bodies that may be touched in this substep
   std::span<const ElasticNeighbour> others;  // elastic bodies of the same solver
   std::span<const PointForce> forces;
-  std::vector<uint64_t>* touched_ids = nullptr;  // output: ids of the bodies pushed; may hold duplicates
+  std::vector<uint64_t>* touched_ids =
+      nullptr;  // output of this body: ids of the bodies pushed, with duplicates
 };
 
 // One of the equal steps that a substep is divided into.
@@ -185,9 +186,8 @@ class ElasticBody {
   // - begin_step: everything except contact
   // - prepare_contact_step, on several threads: it changes only its own body
   // - list_contacts: contact with moving bodies; bodies may run on different threads
-  // - list_other_contacts: the contacts that depend on those which other bodies listed; likewise
   // - separate, one body after the other
-  // - read_contact_impulses
+  // - read_contact_impulses; on several threads unless rigid bodies take part
   // - end_step: contact with colliders, then the update of positions and velocities
   virtual int begin_substep(const SubstepContext& context) = 0;
   virtual void begin_step(const SubstepPart& part, const SubstepContext& context) = 0;
@@ -195,10 +195,6 @@ class ElasticBody {
   virtual void prepare_contact_step(double step_s) { (void)step_s; }
   virtual void list_contacts(const SubstepPart& part, const SubstepContext& context,
                              std::vector<ContactConstraint>& rows) = 0;
-  virtual void list_other_contacts(const SubstepPart& part, const SubstepContext& context,
-                                   std::vector<ContactConstraint>& rows) {
-    (void)part, (void)context, (void)rows;
-  }
   // Removes the rows with bodies on which this body is stuck, and pulls it away from them.
   virtual void separate(const SubstepPart& part, const SubstepContext& context,
                         std::vector<ContactConstraint>& rows) {
@@ -305,7 +301,7 @@ enum class ElasticSolver {
   LivegsV1Steady,  // blend factor converted to a stiffness at the paper's step of 1/240 s
 };
 
-// Fails with the reason if the description is not physical (no particles, mass <= 0, …).
+// Fails with the reason if the description is not physical (no particles, a value out of range, …).
 Result<void> check_elastic_body(const ElasticBodyDescription& description);
 
 }  // namespace livegs

@@ -17,9 +17,6 @@ constexpr int kMaxFaces = 3;        // faces that meet at one point
 // Maximum concavity of an edge that counts as convex, relative to the reach.
 constexpr double kMaxHollow = 1e-3;
 constexpr double kFacingCosine = -0.3;  // maximum cosine between normals of opposite faces
-constexpr double kSurroundingCosine =
-    0.7;                             // minimum cosine between the normals of a point and of its surrounding
-constexpr double kSamePlace = 0.07;  // distance of elements at a point itself, relative to the reach
 // Maximum number of samples along a path. Longer paths are sampled more coarsely.
 constexpr int kMaxProbes = 64;
 
@@ -74,33 +71,6 @@ void PointSurface::visit_near(const Vector3d& point_m, const Visit& visit) const
       }
     }
   }
-}
-
-std::optional<std::array<uint32_t, 4>> PointSurface::surrounding(const Vector3d& point_m,
-                                                                 const Vector3d& normal) const {
-  const Vector3d tangent = normal.unitOrthogonal(), bitangent = normal.cross(tangent);
-  const double same_place = kSamePlace * reach_m_;
-  std::array<uint32_t, 4> nearest;
-  std::array<double, 4> squares;
-  squares.fill(INFINITY);
-  visit_near(point_m, [&](uint32_t i, double square) {
-    const SurfaceElement& element = elements_[i];
-    if (element.normal.dot(normal) < kSurroundingCosine) return;
-    const Vector3d to = element.position_m - point_m;
-    const double x = to.dot(tangent), y = to.dot(bitangent);
-    const bool same = x * x + y * y < same_place * same_place;
-    for (int quadrant = 0; quadrant < 4; ++quadrant) {
-      const bool inside = ((x >= 0.0) == (quadrant % 2 == 0)) && ((y >= 0.0) == (quadrant / 2 == 0));
-      if ((same || inside) && square < squares[quadrant]) {
-        squares[quadrant] = square;
-        nearest[quadrant] = i;
-      }
-    }
-  });
-  for (const double square : squares) {
-    if (square == INFINITY) return std::nullopt;
-  }
-  return nearest;
 }
 
 std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,

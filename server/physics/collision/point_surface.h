@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -51,11 +50,6 @@ class PointSurface {
   // the side of first contact is found. The distance is that of the end point.
   std::optional<SurfaceDepth> swept_depth(const Eigen::Vector3d& end_m, const Eigen::Vector3d& displacement_m,
                                           std::span<const SurfaceElement> own = {}) const;
-  // Elements that surround a point of the same face: the nearest within reach in each quadrant of the plane
-  // across `normal`, as positions in `elements`. The point lies in the convex hull of their projections. An
-  // element at the point itself stands for all quadrants. nullopt if a quadrant has none.
-  std::optional<std::array<uint32_t, 4>> surrounding(const Eigen::Vector3d& point_m,
-                                                     const Eigen::Vector3d& normal) const;
 
  private:
   // Calls visit(index, square of the distance) for the elements within reach.

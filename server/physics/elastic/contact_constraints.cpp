@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <numeric>
 #include <unordered_map>
 #include <vector>
@@ -17,15 +18,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A pair of bodies is solved when a sweep over its rows changes their impulses by less than this fraction of
-// the impulses that its bodies bear. Friction that has not converged lets bodies creep and keeps them awake.
+// A pair of bodies is solved when a sweep over its rows, and the other pairs of its bodies since then, change
+// their impulses by less than this fraction of those that the more loaded body bears. What a light body lacks
+// in a step, it gets in the next ones. Friction that has not converged lets bodies creep and keeps them
+// awake.
 constexpr double kConvergence = 0.002;
 // Sweeps over the pushing rows of a pair after each sweep over all of them. Larger: cheaper sweeps, and rows
 // that close in the meantime are found later.
 constexpr int kPushingSweeps = 4;
-// Maximum number of rounds over the pairs that are not solved.
+// Maximum number of rounds over the pairs that are not solved. Smaller: friction in heaps creeps; larger:
+// more time in steps that do not converge.
 constexpr int kMaxRounds = 20;
-// Rows that are worth another thread.
+// Rows in the block of a thread. Smaller: handing over takes longer than the work.
 constexpr size_t kRowsOfThread = 128;
 // Weight of the change of the impulse of a row that pushed in the last step, relative to its response
 // (proximal point iteration, Rockafellar 1976). Rows that share nodes leave parts of their impulses
@@ -118,34 +122,37 @@ RowNodes row_nodes(const AnchorNodes& view, const NodeSample& sample) {
   return nodes;
 }
 
-// Displacement of a relative to b per unit impulse, m/(N s).
-Matrix3d response_of(const ContactConstraint& row, const RowNodes& a, const RowNodes& b) {
-  const auto of = [](const RowNodes& nodes, const ContactParticipant& participant,
-                     const ContactAnchor& anchor) {
-    if (!nodes.corrections) return participant.response(anchor);
-    return Matrix3d(nodes.response() * Matrix3d::Identity());
-  };
-  return of(a, *row.a, row.anchor_a) + of(b, *row.b, row.anchor_b);
+// Response of a relative to b, m/(N s): along the normal, and the largest one in the tangent plane.
+struct RowResponse {
+  double normal, tangent;
+};
+
+RowResponse response_of(const ContactConstraint& row, const RowNodes& a, const RowNodes& b) {
+  // That of nodes is the same in any direction.
+  const double of_nodes = (a.corrections ? a.response() : 0.0) + (b.corrections ? b.response() : 0.0);
+  if (a.corrections && b.corrections) return {of_nodes, of_nodes};
+  Matrix3d response = of_nodes * Matrix3d::Identity();
+  if (!a.corrections) response += row.a->response(row.anchor_a);
+  if (!b.corrections) response += row.b->response(row.anchor_b);
+  const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
+  const double k1 = tangent.dot(response * tangent), k2 = bitangent.dot(response * bitangent);
+  // An upper bound of the tangent one.
+  return {row.normal.dot(response * row.normal),
+          std::max(k1, k2) + std::abs(tangent.dot(response * bitangent))};
 }
 
-SolvedRow prepare(ContactConstraint& row, double step_s) {
-  SolvedRow solved;
+void prepare(ContactConstraint& row, double step_s, SolvedRow& solved) {
   solved.row = &row;
   const AnchorNodes a = row.a->nodes_of(row.anchor_a), b = row.b->nodes_of(row.anchor_b);
   solved.a = row_nodes(a, row.anchor_a.sample);
   solved.b = row_nodes(b, row.anchor_b.sample);
   solved.base_m = wide(a.base_m - b.base_m);
 
-  const Matrix3d response = response_of(row, solved.a, solved.b);
-  const double normal_response = row.normal.dot(response * row.normal);
-  // Upper bound of the response in any direction of the tangent plane.
-  const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
-  const double k1 = tangent.dot(response * tangent), k2 = bitangent.dot(response * bitangent);
-  const double tangent_response = std::max(k1, k2) + std::abs(tangent.dot(response * bitangent));
-  const bool moves = normal_response > 0.0;
-  solved.proximal = (row.normal_impulse_n_s > 0.0 ? kProximalWeight : 0.0) * normal_response;
-  solved.per_normal_response = moves ? 1.0 / (normal_response + solved.proximal) : 0.0;
-  solved.per_tangent_response = moves ? 1.0 / tangent_response : 0.0;
+  const RowResponse response = response_of(row, solved.a, solved.b);
+  const bool moves = response.normal > 0.0;
+  solved.proximal = (row.normal_impulse_n_s > 0.0 ? kProximalWeight : 0.0) * response.normal;
+  solved.per_normal_response = moves ? 1.0 / (response.normal + solved.proximal) : 0.0;
+  solved.per_tangent_response = moves ? 1.0 / response.tangent : 0.0;
   solved.normal = wide(row.normal);
   solved.friction = row.friction;
   solved.impulse_n_s = solved.last_impulse_n_s = moves ? row.normal_impulse_n_s : 0.0;
@@ -155,7 +162,6 @@ SolvedRow prepare(ContactConstraint& row, double step_s) {
   const double before_m = dot(solved.normal, solved.displacement_m());
   const double least_gap_m = std::min(0.0, row.gap_m - before_m + row.push_m_s * step_s);
   solved.gap_m = row.gap_m - before_m - least_gap_m;
-  return solved;
 }
 
 // Returns the magnitude of the change of the row's impulse.
@@ -182,9 +188,12 @@ struct RowPair {
   uint32_t colour;
   SolvedRow* rows = nullptr;
   size_t row_count = 0;
-  bool solved = false;    // the last sweep over all rows changed little, and so did those of its neighbours
-  bool backward = false;  // direction of the next sweep
-  double total_n_s = 0.0;
+  bool converged = false;    // the last sweep over all rows changed little
+  bool solved = false;       // and so did the other pairs of its bodies since then
+  bool backward = false;     // direction of the next sweep
+  double total_n_s = 0.0;    // sum of the impulses
+  double changed_n_s = 0.0;  // sum of their changes in this round
+  double seen_n_s = 0.0;     // sum of the changes at its bodies that its last sweeps started from or made
 
   std::span<SolvedRow> all() const { return {rows, row_count}; }
   double sum_n_s() const {
@@ -210,16 +219,17 @@ void solve_pair(RowPair& pair, double borne_n_s) {
     const double changed_n_s = sweep(rows, pair.backward);
     pair.backward = !pair.backward;
     pair.total_n_s = pair.sum_n_s();
+    pair.changed_n_s += changed_n_s;
     const bool converged = changed_n_s <= kConvergence * std::max(borne_n_s, pair.total_n_s);
     if (k == 0) {
-      pair.solved = converged;
+      pair.converged = converged;
       std::erase_if(rows, [](const SolvedRow* row) { return row->impulse_n_s == 0.0; });
     }
     if (converged) return;
   }
 }
 
-// All rows, those of a pair next to each other.
+// The rows of a step, by pair.
 class ContactPairs {
  public:
   ContactPairs(std::span<ContactConstraint* const> constraints, double step_s);
@@ -232,8 +242,8 @@ class ContactPairs {
 
  private:
   std::unordered_map<const ContactParticipant*, uint32_t> bodies_;
-  std::vector<SolvedRow> rows_;
-  std::vector<RowPair> pairs_;  // by colour
+  std::unique_ptr<SolvedRow[]> rows_;  // those of a pair next to each other
+  std::vector<RowPair> pairs_;         // by colour
 };
 
 ContactPairs::ContactPairs(std::span<ContactConstraint* const> constraints, double step_s) {
@@ -242,12 +252,18 @@ ContactPairs::ContactPairs(std::span<ContactConstraint* const> constraints, doub
   };
   std::unordered_map<uint64_t, uint32_t> known;  // pairs, by their bodies
   std::vector<std::vector<bool>> used;           // the colours of each body's pairs
-  std::vector<uint32_t> pair_of;                 // by constraint
-  for (const ContactConstraint* constraint : constraints) {
-    const uint32_t a = number_of(constraint->a), b = number_of(constraint->b);
+  std::vector<uint32_t> pair_of(constraints.size());
+  for (size_t i = 0; i < constraints.size(); ++i) {
+    const ContactConstraint& constraint = *constraints[i];
+    if (i > 0 && constraint.a == constraints[i - 1]->a && constraint.b == constraints[i - 1]->b) {
+      pair_of[i] = pair_of[i - 1];
+      ++pairs_[pair_of[i]].row_count;
+      continue;
+    }
+    const uint32_t a = number_of(constraint.a), b = number_of(constraint.b);
     const uint64_t key = uint64_t{std::min(a, b)} << 32 | std::max(a, b);
     const auto [found, is_new] = known.try_emplace(key, static_cast<uint32_t>(pairs_.size()));
-    pair_of.push_back(found->second);
+    pair_of[i] = found->second;
     if (is_new) {
       used.resize(bodies_.size());
       const auto is_used = [&](uint32_t body, size_t colour) {
@@ -268,7 +284,7 @@ ContactPairs::ContactPairs(std::span<ContactConstraint* const> constraints, doub
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
                    [&](uint32_t i, uint32_t k) { return pairs_[i].colour < pairs_[k].colour; });
-  rows_.resize(constraints.size());
+  rows_ = std::make_unique_for_overwrite<SolvedRow[]>(constraints.size());
   size_t begin = 0;
   for (const uint32_t i : order) {
     pairs_[i].rows = &rows_[begin];
@@ -277,8 +293,8 @@ ContactPairs::ContactPairs(std::span<ContactConstraint* const> constraints, doub
   }
   std::vector<ContactConstraint*> by_row(constraints.size());
   for (size_t i = 0; i < constraints.size(); ++i) by_row[next[pair_of[i]]++] = constraints[i];
-  parallel_for(rows_.size(), kRowsOfThread, [&](size_t first, size_t end) {
-    for (size_t i = first; i < end; ++i) rows_[i] = prepare(*by_row[i], step_s);
+  parallel_for(by_row.size(), kRowsOfThread, [&](size_t first, size_t end) {
+    for (size_t i = first; i < end; ++i) prepare(*by_row[i], step_s, rows_[i]);
   });
   std::stable_sort(pairs_.begin(), pairs_.end(),
                    [](const RowPair& a, const RowPair& b) { return a.colour < b.colour; });
@@ -323,26 +339,35 @@ void solve_contacts(std::span<ContactConstraint* const> constraints, double step
     }
     pair.total_n_s = pair.sum_n_s();
   });
-  std::vector<double> borne_n_s(contacts.body_count());
-  std::vector<bool> disturbed(contacts.body_count());
-  for (int round = 0; round < kMaxRounds; ++round) {
-    std::fill(borne_n_s.begin(), borne_n_s.end(), 0.0);
-    for (const RowPair& pair : contacts.pairs()) {
-      for (const uint32_t body : {pair.a, pair.b}) borne_n_s[body] += pair.total_n_s;
-    }
-    contacts.visit_unsolved(
-        [&](RowPair& pair) { solve_pair(pair, std::max(borne_n_s[pair.a], borne_n_s[pair.b])); });
-    // A pair that was not solved has disturbed the others of its bodies.
-    disturbed.assign(disturbed.size(), false);
-    for (const RowPair& pair : contacts.pairs()) {
-      if (!pair.solved) disturbed[pair.a] = disturbed[pair.b] = true;
-    }
-    bool all_solved = true;
+  struct Body {
+    double borne_n_s = 0.0, changed_n_s = 0.0;  // sums of the impulses of its pairs and of their changes
+  };
+  std::vector<Body> bodies(contacts.body_count());
+  const auto borne_n_s = [&](const RowPair& pair) {
+    return std::max(bodies[pair.a].borne_n_s, bodies[pair.b].borne_n_s);
+  };
+  const auto changed_n_s = [&](const RowPair& pair) {
+    return bodies[pair.a].changed_n_s + bodies[pair.b].changed_n_s;
+  };
+  bool all_solved = contacts.pairs().empty();
+  for (int round = 0; round < kMaxRounds && !all_solved; ++round) {
+    for (Body& body : bodies) body.borne_n_s = 0.0;
     for (RowPair& pair : contacts.pairs()) {
-      pair.solved = !disturbed[pair.a] && !disturbed[pair.b];
+      for (const uint32_t body : {pair.a, pair.b}) bodies[body].borne_n_s += pair.total_n_s;
+      pair.changed_n_s = 0.0;
+      if (!pair.solved) pair.seen_n_s = changed_n_s(pair);
+    }
+    contacts.visit_unsolved([&](RowPair& pair) { solve_pair(pair, borne_n_s(pair)); });
+    for (RowPair& pair : contacts.pairs()) {
+      for (const uint32_t body : {pair.a, pair.b}) bodies[body].changed_n_s += pair.changed_n_s;
+      pair.seen_n_s += 2.0 * pair.changed_n_s;
+    }
+    all_solved = true;
+    for (RowPair& pair : contacts.pairs()) {
+      const double disturbed_n_s = changed_n_s(pair) - pair.seen_n_s;
+      pair.solved = pair.converged && disturbed_n_s <= kConvergence * borne_n_s(pair);
       all_solved = all_solved && pair.solved;
     }
-    if (all_solved) break;
   }
   for (RowPair& pair : contacts.pairs()) pair.solved = false;
   contacts.visit_unsolved([](RowPair& pair) {

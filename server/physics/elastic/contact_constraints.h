@@ -11,8 +11,7 @@
 // Contact between elastic bodies during their steps and other moving bodies. Rows with accumulated impulses
 // are solved together by projected Gauss-Seidel (Erleben 2007, Velocity-based shock propagation, section 2),
 // so that all contact points share the load. The rows of two bodies are swept several times in a row; pairs
-// of bodies that share no body are swept on several threads, with the same result for any number. Double
-// precision.
+// without a common body are swept on several threads, with the same result for any number. Double precision.
 
 namespace livegs {
 
@@ -44,6 +43,7 @@ struct ContactImpulse {
   uint64_t from_body_id = 0;    // of the other side
 };
 
+// Different participants may be used on different threads, each on one thread at a time.
 class ContactParticipant {
  public:
   virtual ~ContactParticipant() = default;

@@ -53,9 +53,6 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
     });
     for_each_body(
         [&](SteppedBody& stepped) { stepped.body->list_contacts(part, stepped.context, *stepped.rows); });
-    for_each_body([&](SteppedBody& stepped) {
-      stepped.body->list_other_contacts(part, stepped.context, *stepped.rows);
-    });
     for (SteppedBody& stepped : bodies) {
       if (stepped.steps > 0) stepped.body->separate(part, stepped.context, *stepped.rows);
     }
@@ -64,14 +61,26 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
       for (ContactConstraint& row : *stepped.rows) rows.push_back(&row);
     }
     if (!rows.empty()) solve_contacts(rows, part.duration_s);
-    for (SteppedBody& stepped : bodies) {
-      if (stepped.steps > 0) stepped.body->read_contact_impulses(*stepped.rows);
-      if (!stepped.context.touched_ids) continue;
-      for (const ContactConstraint& row : *stepped.rows) {
-        if (row.normal_impulse_n_s > 0.0) stepped.context.touched_ids->push_back(row.other_body_id);
+    // Rolling resistance turns balls, which other bodies may touch too: then one body after the other.
+    const auto read_impulses = [](SteppedBody& stepped) {
+      stepped.body->read_contact_impulses(*stepped.rows);
+    };
+    if (moving.empty()) {
+      for_each_body(read_impulses);
+    } else {
+      for (SteppedBody& stepped : bodies) {
+        if (stepped.steps > 0) read_impulses(stepped);
       }
     }
-    for_each_body([&](SteppedBody& stepped) { stepped.body->end_step(part, stepped.context); });
+    for_each_body([&](SteppedBody& stepped) {
+      if (std::vector<uint64_t>* ids = stepped.context.touched_ids) {
+        for (const ContactConstraint& row : *stepped.rows) {
+          const bool is_new = ids->empty() || ids->back() != row.other_body_id;
+          if (row.normal_impulse_n_s > 0.0 && is_new) ids->push_back(row.other_body_id);
+        }
+      }
+      stepped.body->end_step(part, stepped.context);
+    });
   }
   for (SteppedBody& stepped : bodies) {
     if (stepped.steps > 0) stepped.body->end_substep(stepped.context);

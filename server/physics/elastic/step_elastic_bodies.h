@@ -18,8 +18,8 @@ struct SteppedBody {
 
 // One substep of elastic bodies that may touch each other, including all their neighbours, in the given
 // order. All bodies take the largest number of steps that any of them needs. In each step elasticity of all
-// bodies precedes contact of all bodies, so that every contact sees both bodies at the same time. Bodies list
-// their contacts on several threads; the result does not depend on their number.
+// bodies precedes contact of all bodies, so that every contact sees both bodies at the same time. Bodies step
+// and their contacts are listed and swept on several threads; the result does not depend on their number.
 void step_elastic_bodies(std::span<SteppedBody> bodies);
 
 }  // namespace livegs

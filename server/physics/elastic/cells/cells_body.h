@@ -46,8 +46,6 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void prepare_contact_step(double step_s) override;
   void list_contacts(const SubstepPart& part, const SubstepContext& context,
                      std::vector<ContactConstraint>& rows) override;
-  void list_other_contacts(const SubstepPart& part, const SubstepContext& context,
-                           std::vector<ContactConstraint>& rows) override;
   void separate(const SubstepPart& part, const SubstepContext& context,
                 std::vector<ContactConstraint>& rows) override;
   void read_contact_impulses(std::span<const ContactConstraint> rows) override;
@@ -118,7 +116,6 @@ class CellsBody final : public ElasticBody, public FlatBody {
   using DynamicContact = cells::DynamicContact;
   using ElasticContacts = cells::ElasticContacts;
   using RigidContacts = cells::RigidContacts;
-  using NearSurface = cells::NearSurface;
   using StuckContact = cells::StuckContact;
   using LastForce = cells::LastForce;
   using StepGains = cells::Gains::OfStep;
@@ -214,21 +211,15 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void find_rigid_candidates(const SubstepContext& context, double speed_m_s);
   std::vector<char> update_rigid_contacts(const SubstepPart& part, const SubstepContext& context);
   void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
-                                  std::span<std::optional<NearSurface>> near,
                                   std::vector<ContactConstraint>& rows);
-  void find_rigid_contacts(RigidProxy& body, const NearSurface& surface, RigidContacts& contacts);
+  void find_rigid_contacts(RigidProxy& body, RigidContacts& contacts);
   bool folds_on(const RigidProxy& body) const;
   void collide_rigid_points(RigidProxy& body, const RigidContacts& contacts, ContactParticipant& participant,
                             std::vector<ContactConstraint>& rows);
   // cells_elastic_contact.cpp
-  bool lists_first(const CellsBody& other) const;
-  const ElasticContacts* contacts_listed_with(const CellsBody& other) const;
   void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
-  void remove_redundant(const CellsBody& other, const ElasticContacts& first,
-                        ElasticContacts& contacts) const;
   void collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
                                     std::vector<ContactConstraint>& rows);
-  void list_pairs(bool first, double h, const SubstepContext& context, std::vector<ContactConstraint>& rows);
   // cells_stuck_contacts.cpp
   StuckContact& stuck_contact(uint64_t body_id);
   bool is_separating() const;  // from any body

@@ -3,9 +3,6 @@
 // the sweep, in both directions: surface points of this body against the other's surface, and contact points
 // of a rigid body against this body's surface. The second direction detects corners, rods and small balls
 // between surface points. Of two elastic bodies, each contributes its own points.
-//
-// Contacts of the second direction that lie within the hull of those of the first are redundant and left out:
-// they have no degrees of freedom of their own, so that sweeps converge slowly with them.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -235,21 +232,15 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   const std::vector<char> stale = update_rigid_contacts(part, context);
   if (context.bodies.empty() && context.others.empty()) return;
   ContactParticipant& participant = contact_participant();
-  std::vector<std::optional<NearSurface>> near(stale.size());
-  for (size_t k = 0; k < near.size(); ++k) {
-    if (stale[k]) near[k].emplace();
-  }
-  collide_surface_with_rigid(participant, context, near, rows);
-  for (size_t k = 0; k < near.size(); ++k) {
-    if (near[k]) find_rigid_contacts(*context.bodies[k], *near[k], bodies_.rigid[k]);
+  collide_surface_with_rigid(participant, context, rows);
+  for (size_t k = 0; k < stale.size(); ++k) {
+    if (stale[k]) find_rigid_contacts(*context.bodies[k], bodies_.rigid[k]);
     collide_rigid_points(*context.bodies[k], bodies_.rigid[k], participant, rows);
   }
-  list_pairs(true, part.duration_s, context, rows);
-}
-
-void CellsBody::list_other_contacts(const SubstepPart& part, const SubstepContext& context,
-                                    std::vector<ContactConstraint>& rows) {
-  list_pairs(false, part.duration_s, context, rows);
+  for (size_t k = 0; k < context.others.size(); ++k) {
+    auto& other = static_cast<CellsBody&>(*context.others[k].body);  // of the same solver
+    collide_surface_with_elastic(other, part.duration_s, bodies_.elastic[k], rows);
+  }
 }
 
 }  // namespace livegs

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of a `cells` body with other elastic bodies. Each contributes its own points; the body with finer
-// points lists first, and contacts of the other within the hull of the first are left out.
+// Contact of a `cells` body with other elastic bodies. Each contributes its own points.
 #include <algorithm>
-#include <cmath>
 
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/cells/contact_margins.h"
@@ -16,28 +14,12 @@ using Eigen::Vector3d;
 
 }  // namespace
 
-// The body with finer points lists its contacts first.
-bool CellsBody::lists_first(const CellsBody& other) const {
-  if (extent_.box_edge_m != other.extent_.box_edge_m) return extent_.box_edge_m < other.extent_.box_edge_m;
-  return object_id_ < other.object_id_;
-}
-
-// Contacts with `other` in this step; null if there are none, as of a sleeping body.
-const CellsBody::ElasticContacts* CellsBody::contacts_listed_with(const CellsBody& other) const {
-  for (const ElasticContacts& contacts : bodies_.elastic) {
-    if (contacts.body_id == body_id_of(other.object_id_))
-      return contacts.listed_step == bodies_.step ? &contacts : nullptr;
-  }
-  return nullptr;
-}
-
 // Surface points of this body against another elastic body, within the margin of relative motion.
 void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts) {
   const double edge_m = std::min(extent_.box_edge_m, other.extent_.box_edge_m);
   contacts.margin_m = kApartMargin * edge_m;
   contacts.own_revision = bodies_.revision;
   contacts.other_revision = other.bodies_.revision;
-  ++contacts.finds;
   contacts.points.clear();
   const double reach = other.element_reach_m();
   const Vector3d displacement = h * (ledger_.motion.velocity_m_s() - other.velocity_m_s());
@@ -74,42 +56,15 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
   }
 }
 
-// Removes contacts of this body within the hull of those of `other`. A point between four contacts of one
-// face is as far from the surface as these, unless the face is curved or bent there.
-void CellsBody::remove_redundant(const CellsBody& other, const ElasticContacts& first,
-                                 ElasticContacts& contacts) const {
-  std::vector<SurfaceElement> elements;
-  for (const ElasticContacts::Point& touch : first.points)
-    elements.push_back({other.place_now_m(touch.own), touch.normal, 0.0, 0});
-  const PointSurface of_first(elements, kSurroundingReach * other.extent_.box_edge_m);
-  const double room_m = kRowMargin * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
-  std::erase_if(contacts.points, [&](const ElasticContacts::Point& touch) {
-    const Vector3d place = place_now_m(touch.own);
-    const auto surrounding = of_first.surrounding(place, -touch.normal);
-    if (!surrounding) return false;
-    double lowest_m = INFINITY;
-    for (const uint32_t k : *surrounding) {
-      const ElasticContacts::Point& one = first.points[k];
-      lowest_m = std::min(lowest_m, one.normal.dot(other.place_now_m(one.own) - place_now_m(one.other)));
-    }
-    const double gap_m = touch.normal.dot(place - other.place_now_m(touch.other));
-    return gap_m >= lowest_m - room_m;
-  });
-}
-
 void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
                                              std::vector<ContactConstraint>& rows) {
-  const ElasticContacts* first = lists_first(other) ? nullptr : other.contacts_listed_with(*this);
   const Vector3d relative_m_s = ledger_.motion.velocity_m_s() - other.ledger_.motion.velocity_m_s();
   const double speed_m_s = relative_m_s.norm() + node_speed_m_s() + other.node_speed_m_s();
   const double motion_m = kMotionRoom * h * speed_m_s + bodies_.jump_m + other.bodies_.jump_m;
   contacts.margin_m -= motion_m;
-  const int finds_of_first = first ? first->finds : 0;
   if (contacts.margin_m <= 0.0 || contacts.own_revision != bodies_.revision ||
-      contacts.other_revision != other.bodies_.revision || contacts.other_finds != finds_of_first) {
+      contacts.other_revision != other.bodies_.revision) {
     find_elastic_contacts(other, h, contacts);
-    if (first) remove_redundant(other, *first, contacts);
-    contacts.other_finds = finds_of_first;
   }
   for (ElasticContacts::Point& touch : contacts.points) {
     touch.apart_m -= motion_m;
@@ -132,17 +87,6 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
     row.point = touch.point;
     start_from_last_force(row);
     rows.push_back(row);
-  }
-}
-
-// Contacts with the elastic bodies before which this one lists them, or after which.
-void CellsBody::list_pairs(bool first, double h, const SubstepContext& context,
-                           std::vector<ContactConstraint>& rows) {
-  for (size_t k = 0; k < context.others.size(); ++k) {
-    auto& other = static_cast<CellsBody&>(*context.others[k].body);  // of the same solver
-    if (lists_first(other) != first) continue;
-    collide_surface_with_elastic(other, h, bodies_.elastic[k], rows);
-    bodies_.elastic[k].listed_step = bodies_.step;
   }
 }
 

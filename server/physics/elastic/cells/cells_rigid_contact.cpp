@@ -109,10 +109,8 @@ std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, cons
   return stale;
 }
 
-// Surface points of this body against rigid bodies. Those near a body with a place in `near` are listed there
-// as well.
+// Surface points of this body against rigid bodies.
 void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
-                                           std::span<std::optional<NearSurface>> near,
                                            std::vector<ContactConstraint>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
@@ -127,7 +125,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
   }
   for (Candidate& candidate : bodies_.rigid_candidates) {
     candidate.apart_m -= bodies_.rigid[candidate.collider].motion_m;
-    if (candidate.apart_m > 0.0 && !near[candidate.collider]) continue;
+    if (candidate.apart_m > 0.0) continue;
     candidate.apart_m = INFINITY;
     RigidProxy& body = *context.bodies[candidate.collider];
     const Frame& frame = frames[candidate.collider];
@@ -145,11 +143,6 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
         sample = touching_sample(i, frame.from_world.transpose() * found.gradient);
         point = nodes_.corrected_m(sample);
         found = gap();
-      }
-      if (std::optional<NearSurface>& here = near[candidate.collider];
-          here && found.distance_m < (kRowMargin + kCandidateMargin) * extent_.box_edge_m) {
-        here->points.push_back({origin_m_ + point, frame.from_world.transpose() * found.gradient, 0.0, i});
-        here->gaps_m.push_back(found.distance_m);
       }
       candidate.apart_m = std::min(candidate.apart_m, found.distance_m - kRowMargin * extent_.box_edge_m);
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
@@ -172,9 +165,8 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
   }
 }
 
-// Contact points of a rigid body against this body's surface; for a ball the deepest point. `surface` are
-// this body's points near the rigid one, with their gaps.
-void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface, RigidContacts& contacts) {
+// Contact points of a rigid body against this body's surface; for a ball the deepest point.
+void CellsBody::find_rigid_contacts(RigidProxy& body, RigidContacts& contacts) {
   contacts.points.clear();
   contacts.margin_m = kApartMargin * extent_.box_edge_m;
   contacts.own_revision = bodies_.revision;
@@ -207,7 +199,6 @@ void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface
   if (!points.empty()) surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const PointSurface grid(elements, reach + radius);
-  const PointSurface first(surface.points, kSurroundingReach * extent_.box_edge_m);
   std::vector<SurfaceElement> normal_cone;
   for (const auto& [point, displacement, local] : points) {
     auto depth = grid.swept_depth(point, displacement);
@@ -222,11 +213,6 @@ void CellsBody::find_rigid_contacts(RigidProxy& body, const NearSurface& surface
                          normal_cone);
       depth = grid.swept_depth(point, displacement, normal_cone);
       if (!depth) continue;
-    }
-    if (const auto around = first.surrounding(point - radius * depth->normal, -depth->normal)) {
-      double lowest_m = INFINITY;
-      for (const uint32_t k : *around) lowest_m = std::min(lowest_m, surface.gaps_m[k]);
-      if (depth->distance_m - radius >= lowest_m - kRowMargin * extent_.box_edge_m) continue;
     }
     const ContactAnchor anchor = anchor_at(depth->element, point - depth->distance_m * depth->normal);
     const double offset_m = depth->distance_m - depth->normal.dot(point - place_now_m(anchor.sample));

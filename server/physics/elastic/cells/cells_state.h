@@ -187,19 +187,11 @@ struct RigidContacts {
   std::vector<Point> points = {};
 };
 
-// Points of the surface near a rigid body, with the normals and gaps towards it.
-struct NearSurface {
-  std::vector<SurfaceElement> points;
-  std::vector<double> gaps_m;
-};
-
 // Contacts of this body's points with another elastic body, found a few steps ago.
 struct ElasticContacts {
   uint64_t body_id = 0;
   double margin_m = 0.0;  // relative motion until they are found again
   uint64_t own_revision = 0, other_revision = 0;
-  int finds = 0, other_finds = 0;  // of these, and of those of the body that lists first
-  uint64_t listed_step = 0;        // BodyContacts::step
   struct Point {
     uint32_t point, other_point;  // surface points
     NodeSample own, other;        // material points that touch

@@ -24,8 +24,6 @@ inline constexpr double kCandidateMargin = 0.25;
 inline constexpr double kApartMargin = 0.75;
 // Interaction range of a surface element, in particle edges.
 inline constexpr double kElementReach = 1.5;
-// Distance within which contacts surround another, in spacings of their points: 1.41 on a square grid.
-inline constexpr double kSurroundingReach = 1.5;
 // Minimum margin of the candidate search, in cell widths, for colliders and rigid bodies.
 inline constexpr double kCandidateRoom = 0.5;
 // Motion that is counted for a step over that at the speeds at its start. Smaller: a body that speeds up is

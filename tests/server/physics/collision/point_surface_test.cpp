@@ -43,32 +43,6 @@ TEST(SurfaceElements, DistanceIsExactUpToCubeEdges) {
   }
 }
 
-// Points of a face are surrounded up to the outermost row of elements, and only by elements of their face.
-TEST(SurfaceElements, SurroundingElementsEncloseThePoint) {
-  const auto elements = cube_elements(0.25);
-  const PointSurface grid(elements, 0.375);
-  const Vector3d up = Vector3d::UnitY();
-  for (const double x : {-0.97, -0.6, 0.0, 0.125, 0.4, 0.99}) {
-    const Vector3d point(x, 0.98, 0.3 * x);
-    const auto around = grid.surrounding(point, up);
-    ASSERT_TRUE(around) << x;
-    // In the hull: no direction of the plane has all four on one side.
-    for (double angle = 0.0; angle < 2.0 * M_PI; angle += 0.1) {
-      const Vector3d direction(std::cos(angle), 0.0, std::sin(angle));
-      double furthest = -INFINITY;
-      for (const uint32_t i : *around) {
-        EXPECT_EQ(elements[i].normal, up);
-        furthest = std::max(furthest, direction.dot(elements[i].position_m - point));
-      }
-      EXPECT_GE(furthest, -0.07 * 0.375) << x << " at " << angle;
-    }
-  }
-  EXPECT_TRUE(grid.surrounding({-1.0, 1.0, -1.0}, up)) << "at an element";
-  EXPECT_FALSE(grid.surrounding({-1.1, 1.0, 0.1}, up)) << "beyond the edge";
-  EXPECT_FALSE(grid.surrounding({0.1, 1.5, 0.1}, up)) << "out of reach";
-  EXPECT_FALSE(grid.surrounding({0.1, 1.0, 0.1}, -up)) << "of the other side";
-}
-
 // A point of a face that approaches from above, slightly beyond the diagonal of the edge.
 TEST(SurfaceElements, PointMeetsTheFaceOppositeItsNormal) {
   const auto elements = cube_elements(0.25);

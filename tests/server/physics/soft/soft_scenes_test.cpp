@@ -432,5 +432,28 @@ TEST(SoftScenes, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
+// A heap, whose contacts are swept on several threads; with and without a rigid body.
+TEST(SoftScenes, HeapHasTheSameBitsForAnyNumberOfThreads) {
+  for (const bool with_ball : {false, true}) {
+    std::vector<uint64_t> hashes;
+    for (const int threads : {1, 2, 8}) {
+      set_thread_count(threads);
+      World world = world_with(ElasticSolver::Cells, 90.0);
+      world.add_collider(floor_plane(0.6));
+      for (uint32_t i = 0; i < 24; ++i) {
+        ElasticBodyDescription box = soft_block(1 + i, {0.2, 0.15, 0.2}, 1.8, 3e4, 0.025);
+        box.world_from_object.position_m = {0.21 * (i % 3), 0.08 + 0.16 * (i / 6), 0.21 * (i / 3 % 2)};
+        ASSERT_TRUE(world.add_elastic(box));
+      }
+      if (with_ball) ASSERT_TRUE(world.add_ball(ball(40, {0.2, 0.8, 0.1}, 0.05, 2.0)));
+      for (int i = 0; i < 40; ++i) world.step();
+      hashes.push_back(hash_of(world));
+    }
+    set_thread_count(0);
+    EXPECT_EQ(hashes[0], hashes[1]) << with_ball;
+    EXPECT_EQ(hashes[0], hashes[2]) << with_ball;
+  }
+}
+
 }  // namespace
 }  // namespace livegs
