@@ -157,7 +157,7 @@ TEST(ElasticBody, RejectsUnphysicalDescriptions) {
   EXPECT_NE(message(bad).find("youngs_modulus_pa"), std::string::npos);
   bad = good;
   bad.material.friction = 3.0;
-  EXPECT_EQ(message(bad), "object 1: friction is 3; it must be 0 to 2");
+  EXPECT_EQ(message(bad), "object 0: friction is 3; it must be 0 to 2");
   bad = good;
   bad.material.plasticity = -1.0;
   EXPECT_NE(message(bad).find("plasticity"), std::string::npos);
