@@ -2,8 +2,8 @@
 #include "physics/check/check_values.h"
 
 #include <cmath>
-#include <cstdio>
 
+#include "core/text/format_text.h"
 #include "physics/surface_friction.h"
 
 namespace livegs {
@@ -14,11 +14,7 @@ Error object_error(uint32_t object_id, const std::string& problem) {
   return invalid_argument(object_name(object_id) + ": " + problem);
 }
 
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string number_text(double value) { return format_text("%g", value); }
 
 Result<void> check_range(uint32_t id, const char* field, double value, double low, double high) {
   if (value >= low && value <= high) return {};

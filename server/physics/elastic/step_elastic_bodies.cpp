@@ -26,7 +26,8 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
 
   const double substep_s = bodies.front().context.duration_s;
   std::vector<ContactConstraint*> rows;
-  // Every body changes only itself. A thread takes at least 4 at a time: fewer are not worth a second thread.
+  // `visit` changes only its own body. A thread takes at least 4 at a time: fewer are not worth a second
+  // thread.
   const size_t block = std::max<size_t>(4, bodies.size() / 16 + 1);
   const auto for_each_body = [&](const auto& visit) {
     parallel_for(bodies.size(), block, [&](size_t begin, size_t end) {
