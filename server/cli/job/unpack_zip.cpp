@@ -29,6 +29,12 @@ bool stays_inside(const fs::path& name) {
   return true;
 }
 
+// What macOS adds to an archive beside the packed folder, and to each folder: attributes of the files and
+// views of the Finder. They are not content, and would hide that the archive has one top folder.
+bool is_of_macos(const fs::path& name) {
+  return *name.begin() == "__MACOSX" || name.filename() == ".DS_Store";
+}
+
 }  // namespace
 
 Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
@@ -47,6 +53,7 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
     if (!stays_inside(name))
       return invalid_data(shown + ": \"" + shown_text(name, 80) +
                           "\" leads out of its folder; pack the folder again");
+    if (is_of_macos(name)) continue;
     const fs::path to = folder / name;
     std::error_code failed;
     const bool is_folder = name.ends_with('/');
@@ -77,7 +84,7 @@ Result<fs::path> unpack_zip(const fs::path& path, const fs::path& folder) {
     if (!out)
       return Error{ErrorCode::Internal, to.string() + ": cannot be written; free space or set TMPDIR"};
   }
-  if (count <= 0) return invalid_data(shown + ": is empty; pack a folder");
+  if (tops.empty()) return invalid_data(shown + ": is empty; pack a folder");
   return top_files || tops.size() != 1 ? folder : folder / *tops.begin();
 }
 

@@ -16,6 +16,14 @@ constexpr int kDefaultSdkPort = 9358;
 // The sidecar is on this machine and replies from memory. A longer wait would delay Health.
 constexpr double kSdkCallTimeout_s = 1;
 
+// Agones sends status 500 for a counter that the spec lacks and for a feature that is off, as for a fault of
+// the moment. Only the text tells them apart: these two stay, and any other is worth a repetition.
+ErrorCode code_of_refusal(int status, const std::string& body) {
+  const auto says = [&](const char* text) { return body.find(text) != std::string::npos; };
+  if (status == 404 || says("counter not found") || says("not enabled")) return ErrorCode::NotFound;
+  return status >= 500 ? ErrorCode::Unavailable : ErrorCode::Internal;
+}
+
 Result<void> without_body(const Result<std::string>& reply) {
   return reply ? Result<void>() : Result<void>(reply.error());
 }
@@ -48,7 +56,7 @@ Result<std::string> AgonesSdk::call(std::string_view method, const std::string& 
   const std::string what = "agones: " + std::string(method) + " " + path + ": ";
   if (reply.end != HttpReply::End::Complete) return Error{ErrorCode::Unavailable, what + reply.message};
   if (reply.status == 200) return std::move(reply.body);
-  return Error{reply.status == 404 ? ErrorCode::NotFound : ErrorCode::Internal,
+  return Error{code_of_refusal(reply.status, reply.body),
                what + "status " + std::to_string(reply.status) + ": " + shown_line(reply.body)};
 }
 

@@ -28,8 +28,9 @@ struct GameServer {
 // The REST interface of the Agones SDK: a sidecar in the same pod. As of Agones 1.41, the first version with
 // counters at v1beta1. Each call takes at most kSdkCallTimeout_s, or until `stop`. One thread at a time.
 //
-// Errors: Unavailable if no reply arrives; NotFound if the sidecar replies 404; Internal for any other reply
-// that is not a success.
+// Errors: NotFound for what the GameServer does not have, a path or a counter; Unavailable if no reply
+// arrives or the sidecar is at fault (status 500 and above), so that a repetition may succeed; Internal for
+// any other reply that is not a success.
 class AgonesSdk {
  public:
   // `port`: of the sidecar on this machine.

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <span>
+#include <thread>
 #include <utility>
 
 #include "core/clock.h"
@@ -20,6 +21,8 @@ namespace {
 
 // Between two looks at the server's numbers, and after a call that failed.
 constexpr std::chrono::milliseconds kReportPause{100}, kFailurePause{500};
+// Between two reads of a next address that is awaited.
+constexpr std::chrono::milliseconds kNextAddressPause{500};
 // Between two reads of the GameServer, which the sidecar answers from memory.
 constexpr int64_t kReadInterval_ns = 5'000'000'000;
 // Each change of a counter or label is a write to the cluster's store, so that changes wait: of the number of
@@ -115,22 +118,19 @@ Result<void> FleetMember::report(const Facts& facts, int64_t now, const std::sto
   }
   if (!ready_) return announce(facts, stop);
   if (auto allocated = allocate_if_joined(facts, stop); !allocated) return allocated;
+  if (now - read_ns_ >= kReadInterval_ns) {
+    const auto server = sdk_.game_server(stop);
+    if (!server) return server.error();
+    take(*server, now);
+  }
+  if (auto sent = send_scene(stop); !sent) return sent;
   if (auto sent = send_people(facts, stop); !sent) return sent;
-  if (auto sent = send_tick_time(facts, now, stop); !sent) return sent;
-  if (now - read_ns_ < kReadInterval_ns) return {};
-  const auto server = sdk_.game_server(stop);
-  if (!server) return server.error();
-  take(*server, now);
-  return {};
+  return send_tick_time(facts, now, stop);
 }
 
 // The label and the counter first, so that an allocation can select by them as soon as the server is ready.
 Result<void> FleetMember::announce(const Facts& facts, const std::stop_token& stop) {
-  if (!scene_sent_) {
-    const auto sent = sdk_.set_label(kSceneLabel, scene_, stop);
-    if (repeats(sent, label_unwanted_)) return sent;
-    scene_sent_ = true;
-  }
+  if (auto sent = send_scene(stop); !sent) return sent;
   if (auto sent = send_people(facts, stop); !sent) return sent;
   if (auto sent = sdk_.ready(stop); !sent) return sent;
   ready_ = true;
@@ -147,6 +147,14 @@ Result<void> FleetMember::allocate_if_joined(const Facts& facts, const std::stop
   if (allocated_) return {};
   if (auto sent = sdk_.allocate(stop); !sent) return sent;
   allocated_ = true;
+  return {};
+}
+
+Result<void> FleetMember::send_scene(const std::stop_token& stop) {
+  if (label_unwanted_ || scene_sent_) return {};
+  const auto sent = sdk_.set_label(kSceneLabel, scene_, stop);
+  if (repeats(sent, label_unwanted_)) return sent;
+  scene_sent_ = true;
   return {};
 }
 
@@ -197,7 +205,8 @@ void FleetMember::note_sidecar(const Result<void>& reported) {
   if (reported) {
     if (!std::exchange(sidecar_away_, false)) return;
     log_info("agones: the sidecar replies again");
-    people_sent_.reset();  // a restarted sidecar has lost what it had not written
+    scene_sent_ = false;  // a restarted sidecar has lost what it had not written
+    people_sent_.reset();
     tick_p99_sent_ms_ = 0;
     return;
   }
@@ -205,11 +214,35 @@ void FleetMember::note_sidecar(const Result<void>& reported) {
   log_warn("%s; the server keeps running, and calls are repeated", reported.error().message.c_str());
 }
 
+// A drain of a node sends SIGTERM before anybody can name the next server, so that people need some time
+// here. Health goes on, or the fleet would remove the server as unhealthy.
+void FleetMember::await_next_address() {
+  const int64_t end_ns = now_ns() + static_cast<int64_t>(options_.next_address_s * 1e9);
+  for (bool first = true;; first = false) {
+    if (const auto server = sdk_.game_server(); server) server_ = *server;
+    if (!server_.next_address.empty() || !facts_) return;
+    const Facts facts = facts_();
+    if (facts.people == 0) return;
+    if (now_ns() >= end_ns) {
+      log_warn(
+          "agones: annotation %s: is not set, so that clients do not continue elsewhere; annotate a "
+          "GameServer before its drain",
+          kNextAddressAnnotation);
+      return;
+    }
+    if (first)
+      log_info("agones: waiting at most %.0f s for the annotation %s", options_.next_address_s,
+               kNextAddressAnnotation);
+    if (liveness_.due(facts.ticks, now_ns())) (void)sdk_.health();
+    std::this_thread::sleep_for(kNextAddressPause);
+  }
+}
+
 Successor FleetMember::leave() {
   thread_.request_stop();
   thread_.join();
   if (server_.name.empty()) return {};  // the sidecar never replied
-  if (const auto server = sdk_.game_server(); server) server_ = *server;
+  await_next_address();
   if (const auto sent = sdk_.shutdown(); !sent) log_warn("%s", sent.error().message.c_str());
   if (server_.next_address.empty()) return {};
   if (auto checked = parse_host_port(server_.next_address); !checked) {

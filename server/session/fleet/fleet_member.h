@@ -26,6 +26,9 @@ inline constexpr double kSidecarTimeout_s = 30;
 inline constexpr int64_t kHealthInterval_ns = 1'000'000'000;
 // A server that was allocated and is without a person for this time shuts down.
 inline constexpr double kFleetEmpty_s = 300;
+// At the end, time in which people get the address of the next server. With the calls (4 s) and the end of
+// the sessions (3 s) it must stay below the grace period of the pod (30 s), after which the server is killed.
+inline constexpr double kNextAddressWait_s = 10;
 // The counter whose count is the number of people, and whose capacity the number of places.
 inline constexpr const char* kPeopleCounter = "people";
 // Labels: first digits of the hash of the scene; milliseconds of the 99th percentile of a tick.
@@ -54,6 +57,7 @@ class FleetMember {
     int port = 0;
     double empty_s = kFleetEmpty_s;
     double sidecar_timeout_s = kSidecarTimeout_s;
+    double next_address_s = kNextAddressWait_s;
   };
   explicit FleetMember(const Options& options);
   ~FleetMember();
@@ -70,14 +74,14 @@ class FleetMember {
     size_t people = 0, places = 0;
     double tick_p99_ms = 0;
   };
-  // `facts` is called on the thread of this object, until leave(). Call once, after name().
+  // `facts` is called on the thread of this object, and by leave(). Call once, after name().
   void open(std::string scene, std::function<Facts()> facts);
 
   // True from the moment the server was without a person for `empty_s` after its allocation. Any thread.
   bool empty() const;
 
-  // Ends the reports, reads where the clients continue (the annotations) and requests Shutdown, in at most
-  // two calls. Call once.
+  // Ends the reports, reads where the clients continue (the annotations) and requests Shutdown. While there
+  // are people and no next address, waits for it up to `next_address_s`. Call once.
   Successor leave();
 
  private:
@@ -87,11 +91,13 @@ class FleetMember {
   Result<void> report(const Facts& facts, int64_t now_ns, const std::stop_token& stop);
   Result<void> announce(const Facts& facts, const std::stop_token& stop);
   Result<void> allocate_if_joined(const Facts& facts, const std::stop_token& stop);
+  Result<void> send_scene(const std::stop_token& stop);
   Result<void> send_people(const Facts& facts, const std::stop_token& stop);
   Result<void> send_tick_time(const Facts& facts, int64_t now_ns, const std::stop_token& stop);
   void take(const GameServer& server, int64_t now_ns);
   void note_empty(const Facts& facts, int64_t now_ns);
   void note_sidecar(const Result<void>& reported);
+  void await_next_address();
   // Whether `sent` must be repeated. Any other refusal is logged, and `unwanted` is set.
   static bool repeats(const Result<void>& sent, bool& unwanted);
 

@@ -166,6 +166,12 @@ function build(directory) {
   }
   return objects;
 }
+// Folders of a kustomization and of those that it includes.
+function folders(directory) {
+  const included = (documents(path.join(directory, 'kustomization.yaml'))[0].resources ?? [])
+    .map((resource) => path.join(directory, resource)).filter((at) => fs.statSync(at, { throwIfNoEntry: false })?.isDirectory());
+  return [directory, ...included.flatMap(folders)];
+}
 
 const files = fs.readdirSync(folder, { recursive: true }).filter((name) => name.endsWith('.yaml')).sort();
 for (const name of files) {
@@ -180,6 +186,20 @@ for (const name of files.filter((file) => path.basename(file) === 'kustomization
   for (const other of fs.readdirSync(directory)) {
     if (other.endsWith('.yaml') && other !== 'kustomization.yaml' && !listed.includes(other))
       report(path.join(folder, name), `resources: ${other} is missing`);
+  }
+}
+// No two kustomizations make the same object, unless one includes the other: deleting one would take it from the other.
+const makers = new Map();
+for (const name of files.filter((file) => path.basename(file) === 'kustomization.yaml')) {
+  const directory = path.join(folder, path.dirname(name));
+  for (const { kind, metadata } of build(directory)) {
+    const object = `${kind}/${metadata.name}`;
+    const others = makers.get(object) ?? [];
+    for (const other of others) {
+      if (!folders(directory).includes(other) && !folders(other).includes(directory))
+        report(path.join(folder, name), `${object}: ${path.relative(folder, other)} makes it too`);
+    }
+    makers.set(object, [...others, directory]);
   }
 }
 console.log(`${files.length} files, ${checked} objects checked`);

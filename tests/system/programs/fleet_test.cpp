@@ -10,6 +10,9 @@
 namespace livegs {
 namespace {
 
+// terminationGracePeriodSeconds of deploy/kubernetes/fleet/fleet.yaml: after it, Kubernetes kills the server.
+constexpr double kGracePeriod_s = 30;
+
 class FleetPrograms : public Programs {
  protected:
   FleetPrograms() { use_port(sidecar_.port()); }
@@ -32,8 +35,10 @@ TEST_F(FleetPrograms, IsReadyAllocatedAndShutDownInThisOrder) {
   Program client(client_words(port, {"--seconds", "0", "--no-video", "--every", "0"}));
   ASSERT_TRUE(sidecar_.wait_for("POST /allocate")) << client.err();
   EXPECT_TRUE(sidecar_.wait_for_body("PATCH /v1beta1/counters/people", R"({"capacity":"16","count":"1"})"));
+  const int64_t begun_ns = now_ns();
   server.send(SIGTERM);
   EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_LT(seconds_from_ns(now_ns() - begun_ns), kGracePeriod_s);  // with a person and no next address
   EXPECT_EQ(sidecar_.calls().back().what, "POST /shutdown");
   EXPECT_EQ(sidecar_.count("POST /ready"), 1u);
   EXPECT_EQ(sidecar_.count("POST /allocate"), 1u);
@@ -79,7 +84,7 @@ TEST_F(FleetPrograms, RefusesUnusableOptions) {
   expect_refused({"--fleet", "agones"}, "AGONES_SDK_HTTP_PORT: \"http\" is not a port");
 }
 
-// Two servers of a fleet with one certificate and key. The first one is drained.
+// Two servers of a fleet with one certificate and key. The first one is drained, and annotated only then.
 TEST_F(FleetPrograms, SendsClientsToTheNextServerWithATokenForIt) {
   const auto tool = [&](std::vector<std::string> words) {
     words.insert(words.begin(), LIVEGS_TOOL);
@@ -118,9 +123,10 @@ TEST_F(FleetPrograms, SendsClientsToTheNextServerWithATokenForIt) {
   Program client(viewer(port, sign("room-x7k2p", "600"), "pins"));
   ASSERT_TRUE(sidecar_.wait_for("POST /allocate")) << client.err();
   ASSERT_TRUE(first.says("streaming to")) << first.err();
+  first.send(SIGTERM);
+  ASSERT_TRUE(first.says("waiting at most 10 s for the annotation livegs.io/next-address")) << first.err();
   sidecar_.set_annotations(R"("livegs.io/next-address": "127.0.0.1:)" + next_port +
                            R"(", "livegs.io/next-server": "room-b")");
-  first.send(SIGTERM);
   EXPECT_EQ(first.wait(), 0) << first.err();
   EXPECT_TRUE(second.says("streaming to")) << client.err();
   EXPECT_NE(second.err().find("with the token \"ada\", interact"), std::string::npos) << second.err();

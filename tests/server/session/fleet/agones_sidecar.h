@@ -39,10 +39,10 @@ class AgonesSidecar {
     std::lock_guard lock(mutex_);
     annotations_ = json_members;
   }
-  // The status of every reply to this call; 0: no reply.
-  void refuse(const std::string& what, int status) {
+  // The status of every reply to this call, with its text; 0: no reply.
+  void refuse(const std::string& what, int status, const std::string& message = "try again") {
     std::lock_guard lock(mutex_);
-    refused_[what] = status;
+    refused_[what] = {status, message};
   }
   void accept(const std::string& what) {
     std::lock_guard lock(mutex_);
@@ -76,6 +76,14 @@ class AgonesSidecar {
       });
     });
   }
+  // Waits until the newest such call that was accepted has this part.
+  bool wait_for_accepted(const std::string& what, const std::string& part) const {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(60), [&] {
+      const auto newest = accepted_.find(what);
+      return newest != accepted_.end() && newest->second.find(part) != std::string::npos;
+    });
+  }
   int64_t last_ns(const std::string& what) const {
     std::lock_guard lock(mutex_);
     int64_t last = 0;
@@ -85,6 +93,10 @@ class AgonesSidecar {
   }
 
  private:
+  struct Refusal {
+    int status = 0;
+    std::string message;
+  };
   size_t count_now(const std::string& what) const {
     return static_cast<size_t>(
         std::count_if(calls_.begin(), calls_.end(), [&](const Call& call) { return call.what == what; }));
@@ -97,12 +109,13 @@ class AgonesSidecar {
     changed_.notify_all();
     Reply reply;
     if (const auto refused = refused_.find(what); refused != refused_.end()) {
-      reply.status = refused->second;
+      reply.status = refused->second.status;
       reply.hang = reply.status == 0;
       if (reply.hang) reply.cut_after = 0;
-      reply.body = R"({"code": 5, "message": "counter not found"})";
+      reply.body = R"({"code": 2, "message": ")" + refused->second.message + R"("})";
       return reply;
     }
+    accepted_[what] = request.body;
     if (what == "POST /ready") state_ = "Ready";
     if (what == "POST /allocate") state_ = "Allocated";
     if (what == "POST /shutdown") state_ = "Shutdown";
@@ -119,7 +132,8 @@ class AgonesSidecar {
   mutable std::condition_variable changed_;
   std::vector<Call> calls_;
   std::string state_ = "Scheduled", annotations_;
-  std::map<std::string, int> refused_;
+  std::map<std::string, std::string> accepted_;  // body of the newest one
+  std::map<std::string, Refusal> refused_;
   TestHttpServer server_;  // last: its threads use everything above
 };
 

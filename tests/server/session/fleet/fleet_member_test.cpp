@@ -25,12 +25,18 @@ constexpr const char* kPeople = "PATCH /v1beta1/counters/people";
 class Fleet : public ::testing::Test {
  protected:
   // A tick passes at every look, unless they are stuck.
-  void open(double empty_s = kFleetEmpty_s) {
-    member_ =
-        std::make_unique<FleetMember>(FleetMember::Options{.port = sidecar_->port(), .empty_s = empty_s});
+  void open(double empty_s = kFleetEmpty_s, double next_address_s = kNextAddressWait_s) {
+    member_ = std::make_unique<FleetMember>(
+        FleetMember::Options{.port = sidecar_->port(), .empty_s = empty_s, .next_address_s = next_address_s});
     ASSERT_TRUE(wait_until([&] { return member_->name().has_value(); }));
     ASSERT_TRUE(*member_->name()) << member_->name()->error().message;
     member_->open("00d1ce00d1ce00d1", [&]() -> FleetMember::Facts { return {++ticks_, people_, 64, 4.25}; });
+  }
+  // A person who joined.
+  void join_person() {
+    ASSERT_TRUE(sidecar_->wait_for(kReady));
+    people_ = 1;
+    ASSERT_TRUE(sidecar_->wait_for(kAllocate));
   }
   std::atomic<uint64_t> ticks_ = 0;
   std::atomic<size_t> people_ = 0;
@@ -176,6 +182,7 @@ TEST_F(Fleet, RepeatsItsCallsWhenTheSidecarIsGoneAndReturns) {
   sidecar_ = std::make_unique<AgonesSidecar>(port);
   EXPECT_TRUE(sidecar_->wait_for(kAllocate));
   EXPECT_TRUE(sidecar_->wait_for_body(kPeople, R"("count":"1")"));
+  EXPECT_TRUE(sidecar_->wait_for_body(kLabel, kSceneLabel));
   EXPECT_TRUE(sidecar_->wait_for(kHealth, 2));
   EXPECT_EQ(sidecar_->count(kReady), 0u);  // the state of the GameServer is not the sidecar's
 }
@@ -190,8 +197,28 @@ TEST_F(Fleet, RepeatsReadyUntilItIsAccepted) {
   EXPECT_TRUE(sidecar_->wait_for(kAllocate));
 }
 
+// A fault of the sidecar that passes, before Ready and later.
+TEST_F(Fleet, RepeatsACounterAndALabelThatItsSidecarFailsToTake) {
+  sidecar_->refuse(kLabel, 503);
+  open();
+  ASSERT_TRUE(sidecar_->wait_for(kLabel, 3));
+  EXPECT_EQ(sidecar_->count(kReady), 0u);
+  sidecar_->accept(kLabel);
+  ASSERT_TRUE(sidecar_->wait_for(kReady));
+  ASSERT_TRUE(sidecar_->wait_for_accepted(kPeople, R"("count":"0")"));
+  sidecar_->refuse(kPeople, 503);
+  people_ = 2;
+  ASSERT_TRUE(sidecar_->wait_for_body(kPeople, R"("count":"2")"));
+  ASSERT_TRUE(sidecar_->wait_for(kPeople, sidecar_->count(kPeople) + 2));
+  sidecar_->accept(kPeople);
+  EXPECT_TRUE(sidecar_->wait_for_accepted(kPeople, R"("count":"2")"));
+  people_ = 3;
+  EXPECT_TRUE(sidecar_->wait_for_accepted(kPeople, R"("count":"3")"));
+}
+
+// With the status and the text of Agones.
 TEST_F(Fleet, DoesWithoutACounterThatTheSpecLacks) {
-  sidecar_->refuse(kPeople, 404);
+  sidecar_->refuse(kPeople, 500, "counter not found: people");
   open();
   ASSERT_TRUE(sidecar_->wait_for(kReady));
   people_ = 1;
@@ -216,6 +243,50 @@ TEST_F(Fleet, ReadsTheNextAddressWhenItLeaves) {
   const Successor next = member_->leave();
   EXPECT_EQ(next.address, "10.0.0.8:7777");
   EXPECT_EQ(next.name, "room-b");
+}
+
+TEST_F(Fleet, WaitsForTheNextAddressOfItsPeople) {
+  open();
+  join_person();
+  const size_t healthy = sidecar_->count(kHealth);
+  const int64_t begun_ns = now_ns();
+  std::jthread annotates([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+    sidecar_->set_annotations(R"("livegs.io/next-address": "10.0.0.8:7777")");
+  });
+  EXPECT_EQ(member_->leave().address, "10.0.0.8:7777");
+  EXPECT_GE(seconds_from_ns(now_ns() - begun_ns), 2.5);
+  EXPECT_GE(sidecar_->count(kHealth), healthy + 2);  // or the fleet would remove it
+  EXPECT_EQ(sidecar_->calls().back().what, kShutdown);
+}
+
+TEST_F(Fleet, LeavesWithoutANextAddressAfterTheLimit) {
+  constexpr double kLimit_s = 2;
+  open(kFleetEmpty_s, kLimit_s);
+  join_person();
+  const int64_t begun_ns = now_ns();
+  EXPECT_EQ(member_->leave().address, "");
+  EXPECT_GE(seconds_from_ns(sidecar_->last_ns(kShutdown) - begun_ns), kLimit_s);
+}
+
+TEST_F(Fleet, LeavesAtOnceWithoutPeople) {
+  open();
+  ASSERT_TRUE(sidecar_->wait_for(kReady));
+  const int64_t begun_ns = now_ns();
+  EXPECT_EQ(member_->leave().address, "");
+  EXPECT_LT(seconds_from_ns(now_ns() - begun_ns), kNextAddressWait_s / 2);
+}
+
+TEST_F(Fleet, LeavesWhenItsLastPersonGoes) {
+  open();
+  join_person();
+  std::jthread goes([&] {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    people_ = 0;
+  });
+  const int64_t begun_ns = now_ns();
+  EXPECT_EQ(member_->leave().address, "");
+  EXPECT_LT(seconds_from_ns(now_ns() - begun_ns), kNextAddressWait_s);
 }
 
 TEST_F(Fleet, IgnoresANextAddressThatIsNone) {
