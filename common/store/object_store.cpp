@@ -240,7 +240,9 @@ class HttpStore final : public ObjectStore {
         }
       }
       const Error error = error_of(name, reply);
-      if (error.code != ErrorCode::Unavailable || !repetition.again(reply.retry_after_s)) return error;
+      if (error.code != ErrorCode::Unavailable || keys_ran_out(reply) ||
+          !repetition.again(reply.retry_after_s))
+        return error;
       log_debug("%s; resuming at byte %llu", error.message.c_str(), static_cast<unsigned long long>(at));
     }
   }
@@ -284,11 +286,16 @@ class HttpStore final : public ObjectStore {
       repetition.moved(reply.sending_s);
       if (reply.end == HttpReply::End::Complete && reply.status >= 200 && reply.status < 300) return reply;
       const Error error = error_of(name, reply);
-      if (error.code == ErrorCode::Unavailable && repetition.again(reply.retry_after_s)) continue;
+      if (error.code == ErrorCode::Unavailable && !keys_ran_out(reply) &&
+          repetition.again(reply.retry_after_s))
+        continue;
       if (reply.end != HttpReply::End::Complete) return error;
       return reply;
     }
   }
+
+  // A later process may have other keys.
+  static bool keys_ran_out(const HttpReply& reply) { return code_of(reply.body) == "ExpiredToken"; }
 
   Error error_of(const std::string& name, const HttpReply& reply) const {
     const std::string object = shown(name) + ": ";
@@ -307,8 +314,10 @@ class HttpStore final : public ObjectStore {
     const std::string code = code_of(reply.body);
     const std::string status = "the store answers with status " + std::to_string(reply.status) +
                                (code.empty() ? "" : " (" + code + ")");
-    // S3 ends a connection that sends too slowly with status 400.
+    // S3 answers with status 400 to a connection that sends too slowly and to keys that have run out.
     if (code == "RequestTimeout") return {ErrorCode::Unavailable, object + status};
+    if (keys_ran_out(reply))
+      return {ErrorCode::Unavailable, object + status + "; renew AWS_SESSION_TOKEN and its keys"};
     if (code == "RequestTimeTooSkewed")
       return {ErrorCode::PermissionDenied, object + status + "; set the clock of this machine"};
     if (code == "NoSuchBucket") return invalid_argument(object + status + "; check the name of the bucket");
@@ -319,7 +328,9 @@ class HttpStore final : public ObjectStore {
       case 401:
       case 403:
         return {ErrorCode::PermissionDenied,
-                object + status + "; check the rights of the object and the keys"};
+                object + status +
+                    "; check the rights of the object and the keys (S3 refuses absent objects too without "
+                    "s3:ListBucket)"};
       case 408:
       case 429:
         return {ErrorCode::Unavailable, object + status};
@@ -432,6 +443,33 @@ Result<void> ObjectStore::put_file(const std::string& name, const fs::path& path
   return put(name, file.bytes(), stop);
 }
 
+Result<std::string> ObjectStore::read_to_file(const std::string& name, const fs::path& path,
+                                              std::stop_token stop) {
+  const Error unwritten{ErrorCode::Internal,
+                        path.string() + ": cannot be written; free space, or set TMPDIR to another folder"};
+  ContentHasher hasher;
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  if (!out) return unwritten;
+  const auto done = read(
+      name, 0,
+      [&](std::uint64_t offset, std::span<const std::byte> bytes) -> Result<void> {
+        if (offset == 0) {  // also if the object changed
+          hasher = {};
+          out.close();
+          out.open(path, std::ios::binary | std::ios::trunc);
+        }
+        hasher.add(bytes);
+        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        if (!out) return unwritten;
+        return {};
+      },
+      stop);
+  if (!done) return done.error();
+  out.close();
+  if (!out) return unwritten;
+  return hasher.hash();
+}
+
 Result<std::string> ObjectStore::hash(const std::string& name, std::stop_token stop) {
   ContentHasher hasher;
   auto done = read(
@@ -453,7 +491,8 @@ Result<std::vector<std::byte>> ObjectStore::get_by_hash(const std::string& hash,
     auto bytes = get(hash, max_bytes, stop);
     if (!bytes || content_hash(*bytes) == hash) return bytes;
   }
-  return invalid_data(shown(hash) + ": its bytes have another hash; publish it again");
+  return invalid_data(shown(hash) +
+                      ": its bytes have another hash; remove the object and publish the scene again");
 }
 
 Result<ObjectPlace> open_object(const std::string& place, const StoreTimes& times) {

@@ -30,6 +30,8 @@ std::filesystem::path physics_file_path(const std::filesystem::path& asset);
 // digits, - and _ of the name are kept; every other byte is escaped as %20 is. Until the file exists,
 // mug.physics.json applies.
 std::filesystem::path physics_file_path(const std::filesystem::path& asset, std::string_view object);
+// The log of changes and proposals next to a sidecar, NAME.physics.log.
+std::filesystem::path physics_log_path(const std::filesystem::path& sidecar);
 // Object name as used in file names; injective.
 std::string object_file_name(std::string_view object);
 

@@ -2,11 +2,12 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/shown_paths.h"
 
 namespace livegs {
 
 int report(const Error& error) {
-  std::fprintf(stderr, "livegs: %s\n", error.message.c_str());
+  std::fprintf(stderr, "livegs: %s\n", with_shown_paths(error.message).c_str());
   switch (error.code) {
     case ErrorCode::InvalidArgument:
     case ErrorCode::InvalidData:

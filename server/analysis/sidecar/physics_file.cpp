@@ -85,7 +85,7 @@ bool same_content(v1::PhysicsFile a, v1::PhysicsFile b) {
 
 }  // namespace
 
-fs::path log_path(const fs::path& sidecar) {
+fs::path physics_log_path(const fs::path& sidecar) {
   fs::path path = sidecar;
   return path.replace_extension(".log");
 }
@@ -188,7 +188,7 @@ fs::path physics_file_path(const fs::path& asset, std::string_view object) {
 
 std::vector<PhysicsLogRecord> read_physics_log(const fs::path& path) {
   std::vector<PhysicsLogRecord> records;
-  const auto text = read_text_file(log_path(path), kMaxLogBytes);
+  const auto text = read_text_file(physics_log_path(path), kMaxLogBytes);
   if (!text) return records;
   for (size_t begin = 0, end; (end = text->find('\n', begin)) != std::string::npos; begin = end + 1) {
     PhysicsLogRecord record;

@@ -51,7 +51,7 @@ Result<std::string> json_of(const google::protobuf::Message& message, bool prett
 class LockedLog {
  public:
   static Result<LockedLog> open(const fs::path& sidecar, const WriteStep& before) {
-    const fs::path path = log_path(sidecar);
+    const fs::path path = physics_log_path(sidecar);
     if (before) before("open log");
     const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (fd < 0) {

@@ -32,6 +32,4 @@ inline bool is_revision(const v1::PhysicsLogRecord& record) {
 // Reads the effective sidecar and its log. Read-only; errors as for read_physics_file().
 Result<SidecarState> read_sidecar_state(const std::filesystem::path& path);
 
-std::filesystem::path log_path(const std::filesystem::path& sidecar);
-
 }  // namespace livegs

@@ -24,6 +24,7 @@
 #include "cli/input_kind.h"
 #include "cli/job/job.h"
 #include "cli/output_path.h"
+#include "cli/shown_paths.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text/help_format.h"
@@ -42,7 +43,6 @@ struct AnalyzeCommand {
   std::string name, up;
   double scale = 0;
   bool json = false, write = false, no_cache = false;
-  bool at_address = false;  // path
   int views = 1;
   EndpointChoice endpoint;
   PhysicsDecision decision;
@@ -162,7 +162,7 @@ Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& upd
   auto kept = apply_analysis(object.physics_file, update.parameters, update.record);
   if (!kept) return kept.error();
   std::fprintf(stderr, "%s: saved in %s; reload the scene on a running server to apply it\n", name.c_str(),
-               shown_message(object.physics_file.string()).c_str());
+               shown_message(with_shown_paths(object.physics_file.string())).c_str());
   return {};
 }
 
@@ -204,35 +204,30 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
     for (AnalysisImage& image : *coloured) shown[i].images.push_back(std::move(image));
   }
   auto written = write_file_atomically(page, explain_page(object.target, update, shown));
-  if (written) std::fprintf(stderr, "written: %s\n", page.c_str());
+  if (written) std::fprintf(stderr, "written: %s\n", with_shown_paths(page.string()).c_str());
   return written;
 }
 
-int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
+Result<std::string> result_text(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
   const bool scene = is_scene_input(options.path);
   if (options.json) {
     nlohmann::ordered_json objects = nlohmann::ordered_json::array();
     for (const Analysed& one : all) {
       auto json = to_json(one.parameters);
-      if (!json) return report(json.error());
-      if (!scene) {
-        std::printf("%s\n", json->dump(1).c_str());
-        return 0;
-      }
+      if (!json) return json.error();
+      if (!scene) return json->dump(1) + "\n";
       objects.push_back({{"object", one.object->name},
                          {"verdict", verdict_text(one.update)},
                          {"message", one.update.judgement.message},
                          {"model", one.update.record.model()},
                          {"physics", std::move(*json)}});
     }
-    std::printf("%s\n", nlohmann::ordered_json{{"objects", std::move(objects)}}.dump(1).c_str());
-  } else if (scene) {
-    print_table_head();
-    for (const Analysed& one : all) print_table_row(shown_line(one.object->name), one.parameters);
-  } else {
-    for (const Analysed& one : all) print_parameters(one.parameters);
+    return nlohmann::ordered_json{{"objects", std::move(objects)}}.dump(1) + "\n";
   }
-  return 0;
+  std::string text = scene ? table_head() : "";
+  for (const Analysed& one : all)
+    text += scene ? table_row(shown_line(one.object->name), one.parameters) : parameters_text(one.parameters);
+  return text;
 }
 
 // Refuses options for single assets if the input is a scene file, which sets them per object.
@@ -254,14 +249,12 @@ int analyze(const AnalyzeCommand& options, Job& job) {
   if (auto checked = check_options(options); !checked) return report(checked.error());
   if (auto checked = check_output_folder(options.explain); !checked) return report(checked.error());
   if (options.decision.any()) {
-    if (options.at_address)
-      return report(invalid_argument(
-          "analyze: --accept, --decline, --undo and --redo: a store keeps no proposals; give a scene on this "
-          "machine, and publish it"));
     job.leave_unmarked();
     const auto scene = scene_of(options);
     if (!scene) return report(scene.error());
-    return decide_physics(options.decision, scene->file, scene->folder, scene->name);
+    const int code = decide_physics(options.decision, scene->file, scene->folder, scene->name);
+    if (code == 0) job.inputs_changed();
+    return code;
   }
   auto endpoint = choose_endpoint(options.endpoint);
   if (!endpoint) return report(endpoint.error());
@@ -281,8 +274,14 @@ int analyze(const AnalyzeCommand& options, Job& job) {
   };
 
   const bool replays = !options.endpoint.recorded.empty() || !options.endpoint.record.empty();
-  const fs::path answers =
-      options.no_cache || replays || cache_folder().empty() ? fs::path() : cache_folder() / "answers";
+  const bool keeps_answers = *endpoint && job.keeps_state() && !options.no_cache && !replays;
+  fs::path answers;
+  if (keeps_answers) {
+    answers = fs::temp_directory_path() / "answers";
+    if (auto kept = job.last_files(answers); !kept) return report_job(kept.error());
+  } else if (!options.no_cache && !replays && !cache_folder().empty()) {
+    answers = cache_folder() / "answers";
+  }
   AnswerCache cache(answers);
   AnalysisOptions asked;
   asked.views = options.views;
@@ -307,9 +306,14 @@ int analyze(const AnalyzeCommand& options, Job& job) {
         one.object = object_of(update.object_id);
         one.update = update;
         if (*endpoint) print_progress(one.object->name, update);
-        if (update.stage == AnalysisStage::Finished) job.progress(++finished, all.size());
+        if (update.stage != AnalysisStage::Finished) return;
+        job.progress(++finished, all.size());
+        if (keeps_answers) {
+          if (auto kept = job.keep_files(finished, answers); !kept)
+            log_warn("%s", kept.error().message.c_str());
+        }
         // Saved at once, so that paid answers survive an interruption.
-        if (options.write && update.stage == AnalysisStage::Finished) {
+        if (options.write) {
           if (auto kept = keep(*one.object, update, *endpoint != nullptr); !kept && all_kept) all_kept = kept;
         }
       });
@@ -325,8 +329,10 @@ int analyze(const AnalyzeCommand& options, Job& job) {
         return report(written.error());
     }
   }
-  if (const int code = print(options, all); code != 0) return code;
-  if (!all_kept) return report(all_kept.error());
+  const auto text = result_text(options, all);
+  if (!text) return report(text.error());
+  job.print(*text);
+  if (!all_kept) return report_job(all_kept.error());
   if (*endpoint) {
     std::fprintf(
         stderr,
@@ -338,7 +344,9 @@ int analyze(const AnalyzeCommand& options, Job& job) {
     std::fputc('\n', stderr);
     // A model was configured, but no request was answered.
     if (summary.failed == summary.objects && summary.objects > 0) {
-      return report({ErrorCode::Unavailable, summary.failure + "; the printed values are offline estimates"});
+      const Error unanswered{ErrorCode::Unavailable,
+                             summary.failure + "; the printed values are offline estimates"};
+      return replays ? report(unanswered) : report_job(unanswered);
     }
     if (summary.failed > 0) job.leave_unmarked();  // a repetition asks for these again
   }
@@ -349,6 +357,9 @@ int analyze(const AnalyzeCommand& options, Job& job) {
 }  // namespace
 
 void add_analyze(CLI::App& app, int& exit_code) {
+  const auto folder_or_address = [](std::string text) {
+    return is_store_url(text) ? std::string() : CLI::ExistingDirectory(text);
+  };
   auto options = std::make_shared<AnalyzeCommand>();
   CLI::App* command =
       app.add_subcommand("analyze", "Estimate the physical parameters of objects, with ranges and reasons");
@@ -374,13 +385,17 @@ void add_analyze(CLI::App& app, int& exit_code) {
   command
       ->add_option("--recorded", options->endpoint.recorded,
                    "Replay the answers in this folder instead of calling a model")
-      ->check(CLI::ExistingDirectory);
-  command->add_option("--record-answers", options->endpoint.record,
-                      "Save the answers in this folder, for --recorded");
+      ->check(folder_or_address);
+  command
+      ->add_option("--record-answers", options->endpoint.record,
+                   "Save the answers in this folder, for --recorded")
+      ->check([](const std::string& text) {
+        return is_store_url(text) ? shown_url(text) + ": is an address; give a folder of this machine" : "";
+      });
   command
       ->add_option("--prompts", options->endpoint.prompts,
                    "Folder of prompt files that replace built-in prompts with the same name")
-      ->check(CLI::ExistingDirectory);
+      ->check(folder_or_address);
   command->add_option(
       "--price", options->endpoint.price,
       "US dollars per million tokens sent and received, as IN,OUT, to compute the cost (default: the value "
@@ -436,13 +451,13 @@ void add_analyze(CLI::App& app, int& exit_code) {
   add_job_options(*command, options->job);
   command->callback([options, command, &exit_code] {
     const std::string given = shown_url(options->path.string());
-    options->at_address = is_store_url(given);
     exit_code = options->write && is_store_url(given) && !has_ending(given, ".scene.json")
                     ? report(invalid_argument(given + ": has no place for the values of --write; give the "
                                                       "address of a scene that livegs publish stored"))
                     : run_as_job(*command, options->job,
                                  {&options->path, &options->endpoint.prompts, &options->endpoint.recorded},
-                                 &options->explain, [&](Job& job) { return analyze(*options, job); });
+                                 &options->explain, JobOutput::Folder,
+                                 [&](Job& job) { return analyze(*options, job); });
   });
 }
 

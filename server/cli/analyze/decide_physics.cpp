@@ -7,6 +7,7 @@
 #include "analysis/gate/answer.h"
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
+#include "cli/shown_paths.h"
 #include "core/text/shown_text.h"
 #include "scene/check/check_object.h"
 #include "scene/check/sidecar_paths.h"
@@ -61,7 +62,8 @@ int decide_physics(const PhysicsDecision& decision, const v1::Scene& scene,
                                                 : redo_physics(*path);
   if (!file) return report(file.error());
   std::printf("%s: %s\n", shown_line(name).c_str(), held_text(*file).c_str());
-  std::fprintf(stderr, "saved in %s; reload the scene on a running server to apply it\n", path->c_str());
+  std::fprintf(stderr, "saved in %s; reload the scene on a running server to apply it\n",
+               with_shown_paths(path->string()).c_str());
   return 0;
 }
 

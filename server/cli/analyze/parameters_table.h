@@ -7,9 +7,9 @@
 
 namespace livegs {
 
-// Print to standard output: all values of one object with ranges and reasons, or one table row per object.
-void print_parameters(const v1::PhysicalParameters& parameters);
-void print_table_head();
-void print_table_row(const std::string& name, const v1::PhysicalParameters& parameters);
+// All values of one object with ranges and reasons, or one table row per object. Each line ends in a newline.
+std::string parameters_text(const v1::PhysicalParameters& parameters);
+std::string table_head();
+std::string table_row(const std::string& name, const v1::PhysicalParameters& parameters);
 
 }  // namespace livegs

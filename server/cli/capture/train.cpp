@@ -7,6 +7,7 @@
 #include "cli/capture/train_run.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
+#include "cli/shown_paths.h"
 #include "core/log.h"
 
 namespace livegs {
@@ -18,6 +19,21 @@ struct TrainCommand {
   std::string shape = "needle";
   JobOptions job;
 };
+
+// The poses name photos and points, which may be outside their folder.
+Result<void> add_photos(const std::filesystem::path& photos, Job& job) {
+  const auto capture = read_capture(photos);
+  if (!capture) return capture.error();
+  for (const CapturedView& view : capture->views) {
+    for (const std::filesystem::path& file : {view.picture, view.mask, view.depth}) {
+      if (file.empty()) continue;
+      if (auto added = job.add_input_file(file); !added) return added;
+    }
+  }
+  job.add_input_bytes(std::as_bytes(std::span(capture->points)));
+  job.add_input_bytes(std::as_bytes(std::span(capture->point_colours)));
+  return {};
+}
 
 int train(TrainCommand options, Job& job) {
   options.run.job = &job;
@@ -36,12 +52,13 @@ int train(TrainCommand options, Job& job) {
                 options.run.train.steps);
     return kRetryExit;
   }
+  const std::string output = with_shown_paths(options.run.output.string());
   if (outcome->interrupted) {
-    std::printf("%s: stopped at step %zu of %zu; the same command with --resume continues\n",
-                options.run.output.c_str(), outcome->steps, options.run.train.steps);
+    std::printf("%s: stopped at step %zu of %zu; the same command with --resume continues\n", output.c_str(),
+                outcome->steps, options.run.train.steps);
     return kInterruptedExit;
   }
-  std::printf("%s: %zu kernels, %.2f dB and SSIM %.3f on %zu held-out photos\n", options.run.output.c_str(),
+  std::printf("%s: %zu kernels, %.2f dB and SSIM %.3f on %zu held-out photos\n", output.c_str(),
               outcome->kernels, outcome->score.psnr_db, outcome->score.ssim, outcome->score.views);
   return 0;
 }
@@ -85,8 +102,10 @@ void add_train(CLI::App& app, int& exit_code) {
   command->add_flag("--resume", run.resume, "Continue from the checkpoint of an interrupted run");
   add_job_options(*command, options->job);
   command->callback([options, command, &exit_code] {
-    exit_code = run_as_job(*command, options->job, {&options->photos}, &options->run.output,
-                           [&](Job& job) { return train(*options, job); });
+    exit_code = run_as_job(
+        *command, options->job, {&options->photos}, &options->run.output, JobOutput::File,
+        [&](Job& job) { return train(*options, job); },
+        [&](Job& job) { return add_photos(options->photos, job); });
   });
 }
 

@@ -120,7 +120,11 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
       best_score = *score;
       best = trainer->asset();
     }
-    if (auto kept = keep(); !kept) return kept.error();
+    // The next state may be stored again.
+    if (auto kept = keep(); !kept) {
+      if (!keeps || kept.error().code != ErrorCode::Unavailable) return kept.error();
+      log_warn("%s", kept.error().message.c_str());
+    }
   }
   if (train_interrupted == SIGTERM) {
     if (auto kept = keep(); !kept) return kept.error();

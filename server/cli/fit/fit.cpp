@@ -13,6 +13,7 @@
 #include "cli/fit/rebase_scene.h"
 #include "cli/job/job.h"
 #include "cli/output_path.h"
+#include "cli/shown_paths.h"
 #include "core/clock.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -177,7 +178,7 @@ int run_fit(const FitCommand& command, Job& job) {
   Image picture;
   auto tracks = command.tracks.empty() ? track_video(*request, command.video, progress, &picture)
                                        : read_tracks_file(command.tracks);
-  if (!tracks) return report(tracks.error());
+  if (!tracks) return report_job(tracks.error());
   auto result = fit_scene(*request, *tracks, progress);
   if (!result) return report(result.error());
   std::error_code error;
@@ -186,10 +187,11 @@ int run_fit(const FitCommand& command, Job& job) {
     return report({ErrorCode::PermissionDenied, command.output.string() + ": cannot be created: " +
                                                     error.message() + "; give another folder with --output"});
   if (auto written = write_result(command, *request, *result, std::move(picture)); !written)
-    return report(written.error());
+    return report_job(written.error());
   if (fit_interrupted) job.leave_unmarked();
+  job.progress(lines, lines);
   print_values(*result);
-  std::fputs(written_files_text().c_str(), stdout);
+  std::fputs(with_shown_paths(written_files_text()).c_str(), stdout);
   return 0;
 }
 
@@ -251,7 +253,8 @@ void add_fit(CLI::App& app, int& exit_code) {
                     ? report(invalid_argument("fit: give --video or --tracks"))
                     : run_as_job(*command, options->job,
                                  {&options->scene, &options->video, &options->tracks, &options->camera},
-                                 &options->output, [&](Job& job) { return run_fit(*options, job); });
+                                 &options->output, JobOutput::Folder,
+                                 [&](Job& job) { return run_fit(*options, job); });
   });
 }
 

@@ -16,22 +16,30 @@ namespace {
 constexpr int kRemovals = 20;
 constexpr std::chrono::milliseconds kRemovalPause{5};
 
-volatile std::sig_atomic_t eviction_asked = 0;
-sem_t eviction_wake;  // a handler may post it
+volatile std::sig_atomic_t eviction_asked = 0;  // the signal
+sem_t eviction_wake;                            // a handler may post it
 
-extern "C" void note_eviction(int) {
+extern "C" void note_eviction(int signal_number) {
   const int kept = errno;
-  eviction_asked = 1;
+  eviction_asked = signal_number;
   ::sem_post(&eviction_wake);
   errno = kept;
 }
 
 }  // namespace
 
-Eviction::Eviction(std::filesystem::path folder) : folder_(std::move(folder)) {
+Eviction::Eviction(std::filesystem::path folder) : folders_{std::move(folder)} {
   ::sem_init(&eviction_wake, 0, 0);
   watcher_ = std::thread([this] { watch(); });
   listen();
+  for (const int number : {SIGINT, SIGHUP}) {
+    if (std::signal(number, note_eviction) == SIG_IGN) std::signal(number, SIG_IGN);
+  }
+}
+
+void Eviction::add_folder(std::filesystem::path folder) {
+  std::lock_guard lock(mutex_);
+  folders_.push_back(std::move(folder));
 }
 
 void Eviction::listen() const { std::signal(SIGTERM, note_eviction); }
@@ -42,16 +50,19 @@ Eviction::~Eviction() {
   watcher_.join();
 }
 
-void Eviction::watch() const {
+void Eviction::watch() {
   while (::sem_wait(&eviction_wake) != 0) {
   }
   if (eviction_asked == 0) return;
+  std::lock_guard lock(mutex_);
   std::error_code ignored;
-  for (int i = 0; i < kRemovals && std::filesystem::exists(folder_, ignored); ++i) {
-    if (i > 0) std::this_thread::sleep_for(kRemovalPause);
-    std::filesystem::remove_all(folder_, ignored);
+  for (const std::filesystem::path& folder : folders_) {
+    for (int i = 0; i < kRemovals && std::filesystem::exists(folder, ignored); ++i) {
+      if (i > 0) std::this_thread::sleep_for(kRemovalPause);
+      std::filesystem::remove_all(folder, ignored);
+    }
   }
-  ::_exit(kRetryExit);
+  ::_exit(eviction_asked == SIGTERM ? kRetryExit : 128 + eviction_asked);
 }
 
 }  // namespace livegs

@@ -13,10 +13,12 @@
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
 #include "cli/job/unpack_zip.h"
+#include "cli/shown_paths.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text/path_ending.h"
+#include "gaussian/asset_name.h"
 #include "session/stored/publish_scene.h"
 
 namespace livegs {
@@ -25,6 +27,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kStateHead = "livegs-state ";
+// Largest state that is read back, bytes: that of training with kMaxTrainedKernels is 7e9.
+constexpr uint64_t kMaxStateBytes = uint64_t{16} << 30;
+// Patience while results are stored, s. A shorter outage of the store does not lose finished work.
+constexpr double kResultPatience_s = 600;
 // Options that do not change the bytes of the outputs.
 const std::set<std::string> kNoPartOfTheJob{"--checkpoints", "--metrics", "--resume", "--help"};
 
@@ -50,6 +56,17 @@ Result<std::vector<fs::path>> files_below(const fs::path& path) {
     if (at->is_regular_file(ignored)) files.push_back(at->path());
   }
   if (error) return file_error(path, "cannot be listed", error);
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// The files of a folder, not of the folders below, sorted; none if it cannot be read.
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (fs::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
+    if (at->is_regular_file(ignored)) files.push_back(at->path());
+  }
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -107,9 +124,7 @@ Result<std::unique_ptr<Job>> Job::begin(const CLI::App& command, const JobOption
   job->folder_ = made;
   job->eviction_ = std::make_unique<Eviction>(made);
   ::setenv("TMPDIR", made.c_str(), 1);
-  std::error_code ignored;
-  std::ofstream(job->folder_ / "begun").flush();
-  job->begun_ = fs::last_write_time(job->folder_ / "begun", ignored);
+  job->mark_place_ = options.checkpoints;
   if (!options.checkpoints.empty()) {
     auto store = ObjectStore::open(options.checkpoints);
     if (!store) return store.error();
@@ -136,6 +151,7 @@ Result<std::unique_ptr<Job>> Job::begin(const CLI::App& command, const JobOption
 Job::~Job() {
   scenes_.clear();
   std::error_code ignored;
+  if (output_ != target_) fs::remove_all(output_, ignored);
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
@@ -157,13 +173,19 @@ Result<fs::path> Job::input(const fs::path& given) {
   fs::path local = given;
   if (is_store_url(text)) {
     if (has_ending(shown_url(text), ".scene.json")) {
+      if (text.find('?') != std::string::npos)
+        return invalid_argument(shown_url(text) +
+                                ": is a presigned address, which is for one object, and a scene has several; "
+                                "give its s3:// address with keys, or a public address");
       auto scene = StoredScene::fetch(text, "");
       if (!scene) return scene.error();
       auto place = open_object(text);
       if (!place) return place.error();
       add_to_key(scene->list_hash());
       scenes_.push_back({*std::move(scene), std::move(place->store)});
-      return scenes_.back().files.path();
+      const fs::path& path = scenes_.back().files.path();
+      show_path_as(path.parent_path(), shown_url(text).substr(0, shown_url(text).rfind('/')));
+      return path;
     }
     const auto place = open_object(text);
     if (!place) return place.error();
@@ -171,54 +193,70 @@ Result<fs::path> Job::input(const fs::path& given) {
     std::error_code failed;
     fs::create_directories(into, failed);
     local = into / place->name.substr(0, place->name.find('?'));
-    const Error unwritten{ErrorCode::Internal,
-                          local.string() + ": cannot be written; free space or set TMPDIR"};
-    std::ofstream out;
-    const auto read = place->store->read(
-        place->name, 0, [&](uint64_t offset, std::span<const std::byte> bytes) -> Result<void> {
-          if (offset == 0) {  // also if the object changed
-            out.close();
-            out.open(local, std::ios::binary | std::ios::trunc);
-          }
-          out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-          if (!out) return unwritten;
-          return {};
-        });
-    if (!read) return read.error();
-    if (!out.is_open()) out.open(local, std::ios::binary | std::ios::trunc);  // an empty object
-    out.close();
-    if (!out) return unwritten;
-    if (auto added = add_file_to_key(local); !added) return added.error();
-    if (!has_ending(local.string(), ".zip")) return local;
+    const auto hash = place->store->read_to_file(place->name, local);
+    if (!hash) return hash.error();
+    add_to_key(*hash);
+    const bool zipped = has_ending(local.string(), ".zip");
+    show_path_as(zipped ? into / "unpacked" : local, shown_url(text));
+    if (!zipped) return local;
     return unpack_zip(local, into / "unpacked");
   }
   // A change of the files that it names would not be seen.
-  if (checkpoints_ && (has_ending(text, ".scene.json") || has_ending(text, ".gltf") ||
-                       local.filename().string().starts_with("transforms")))
+  if (checkpoints_ && (has_ending(text, ".scene.json") || has_ending(text, ".gltf")))
     return invalid_argument(text +
                             ": names other files, which --checkpoints cannot follow; give the folder, or "
                             "the address of a scene that livegs publish stored");
-  if (auto added = add_file_to_key(local); !added) return added.error();
-  // The values of an asset are an input of analyze.
-  std::error_code ignored;
-  if (const fs::path values = physics_file_path(local); fs::is_regular_file(values, ignored)) {
-    if (auto added = add_file_to_key(values); !added) return added.error();
+  // The index of an unpacked asset stands for its folder.
+  if (auto added = add_file_to_key(is_asset_index(local) ? fs::absolute(local).parent_path() : local); !added)
+    return added.error();
+  // The values of an asset are an input of analyze: NAME.physics.json, those of one object, and their log.
+  const std::string stem = physics_file_path(local).stem().string() + ".";
+  const auto near = checkpoints_ ? files_in(fs::absolute(local).parent_path()) : std::vector<fs::path>{};
+  for (const fs::path& file : near) {
+    if (!file.filename().string().starts_with(stem)) continue;
+    if (auto added = add_file_to_key(file); !added) return added.error();
   }
   return local;
 }
 
-Result<fs::path> Job::output(const fs::path& given) {
-  output_ = given;
-  if (!is_store_url(given.string())) return output_;
+Result<void> Job::add_input_file(const fs::path& path) { return add_file_to_key(path); }
+void Job::add_input_bytes(std::span<const std::byte> bytes) { add_to_key(content_hash(bytes)); }
+
+Result<fs::path> Job::output(const fs::path& given, JobOutput kind) {
+  output_ = target_ = given;
+  output_kind_ = kind;
+  if (!is_store_url(given.string())) {
+    if (!checkpoints_ || kind == JobOutput::File) return output_;
+    target_ = fs::absolute(given / ".").lexically_normal().parent_path();
+    output_ = target_.parent_path() / ("." + target_.filename().string() + ".job");
+    std::error_code ignored;
+    fs::remove_all(output_, ignored);  // of a run that was killed
+    eviction_->add_folder(output_);
+    show_path_as(output_, (given / "").lexically_normal().parent_path().string());
+    return output_;
+  }
   std::string text = given.string();
   while (text.ends_with('/')) text.pop_back();
-  auto place = open_object(text);
+  if (kind == JobOutput::Folder && text.find('?') != std::string::npos)
+    return invalid_argument(shown_url(text) +
+                            ": is a presigned address, which is for one object, and the output has several; "
+                            "give the s3:// address of a folder with keys");
+  auto place = open_object(text, {.patience_s = kResultPatience_s});
   if (!place) return place.error();
   place_ = *std::move(place);
   std::error_code failed;
   fs::create_directories(folder_ / "output", failed);
-  output_ = folder_ / "output" / place_->name.substr(0, place_->name.find('?'));
+  output_ = target_ = folder_ / "output" / place_->name.substr(0, place_->name.find('?'));
+  const std::string shown = shown_url(text);
+  show_path_as(output_.parent_path(), shown.substr(0, shown.rfind('/')));
   return output_;
+}
+
+std::string Job::name_of(const fs::path& output) const {
+  const bool staged = output_ != target_;
+  return (staged ? target_.filename() / output.lexically_relative(output_)
+                 : output.lexically_relative(output_.parent_path()))
+      .string();
 }
 
 std::string Job::object(const char* ending) const {
@@ -232,6 +270,10 @@ Result<bool> Job::finished() {
     if (mark.error().code == ErrorCode::NotFound) return false;
     return mark.error();
   }
+  if (output_.empty()) {
+    printed_ = text_of(*mark);
+    return true;
+  }
   std::istringstream lines(text_of(*mark));
   size_t found = 0;
   for (std::string line; std::getline(lines, line); ++found) {
@@ -241,18 +283,18 @@ Result<bool> Job::finished() {
     words >> bytes >> hash >> std::ws;
     std::getline(words, name);
     if (place_ && place_->name.find('?') != std::string::npos) continue;  // presigned, for writing only
-    const auto there = place_ ? place_->store->hash(name) : hash_of_file(output_.parent_path() / name);
+    const auto there = place_ ? place_->store->hash(name) : hash_of_file(target_.parent_path() / name);
     if (!there && place_ && there.error().code != ErrorCode::NotFound) return there.error();
     if (!there || *there != hash) return false;
   }
-  return found > 0 || output_.empty();
+  return found > 0;
 }
 
 Result<std::optional<std::vector<std::byte>>> Job::last_state() {
   std::optional<KeptState> newest;
   if (!checkpoints_) return std::optional<std::vector<std::byte>>();
   for (size_t slot = 0; slot < 2; ++slot) {
-    auto bytes = checkpoints_->get(object(slot == 0 ? ".state0" : ".state1"));
+    auto bytes = checkpoints_->get(object(slot == 0 ? ".state0" : ".state1"), kMaxStateBytes);
     if (!bytes && bytes.error().code != ErrorCode::NotFound) return bytes.error();
     if (!bytes) continue;
     auto state = read_state(*std::move(bytes));
@@ -285,20 +327,49 @@ Result<void> Job::keep_state(size_t step, std::span<const std::byte> state) {
   return {};
 }
 
-Result<std::vector<fs::path>> Job::output_files() const {
-  std::vector<fs::path> files;
-  if (output_.empty()) return files;
-  const bool all = place_.has_value();  // the temporary folder has nothing else
-  // A command may write files next to its output file, with its name and another ending.
-  const fs::path base = all ? output_.parent_path() : output_;
-  std::error_code ignored;
-  const auto below = files_below(base);
-  if (!below) return below.error();
-  for (const fs::path& file : *below) {
-    if (!fs::is_regular_file(file, ignored)) continue;
-    if (all || file == output_ || fs::last_write_time(file, ignored) >= begun_) files.push_back(file);
+// For each file, a line with its size in bytes and its name, and then its bytes.
+Result<void> Job::keep_files(size_t step, const fs::path& folder) {
+  std::string all;
+  for (const fs::path& file : files_in(folder)) {
+    const auto text = read_text_file(file, kMaxStateBytes);
+    if (!text) return text.error();
+    all += std::to_string(text->size()) + " " + file.filename().string() + "\n" + *text;
   }
-  return files;
+  return keep_state(step, std::as_bytes(std::span(all)));
+}
+
+Result<void> Job::last_files(const fs::path& folder) {
+  const auto state = last_state();
+  if (!state) return state.error();
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return file_error(folder, "cannot be created", error);
+  const std::string all = *state ? text_of(**state) : "";
+  for (size_t begin = 0; begin < all.size();) {
+    const size_t end = all.find('\n', begin);
+    std::istringstream head(all.substr(begin, end - begin));
+    size_t size = 0;
+    std::string name;
+    if (end == std::string::npos || !(head >> size >> name) || fs::path(name).has_parent_path() ||
+        size > all.size() - end - 1)
+      return invalid_data("checkpoint: is damaged; remove it and run again");
+    if (auto written = write_file_atomically(folder / name, all.substr(end + 1, size)); !written)
+      return written;
+    begin = end + 1 + size;
+  }
+  return {};
+}
+
+void Job::print(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  printed_ += text;
+}
+
+Result<std::vector<fs::path>> Job::output_files() const {
+  if (output_.empty() || (!place_ && !checkpoints_)) return std::vector<fs::path>{};
+  // A command may write files next to its output file, with its name and another ending. The temporary folder
+  // has nothing else.
+  return files_below(place_ ? output_.parent_path() : output_);
 }
 
 Result<std::string> Job::store_outputs() {
@@ -308,12 +379,15 @@ Result<std::string> Job::store_outputs() {
   for (const fs::path& file : *files) {
     const auto hash = hash_of_file(file);
     if (!hash) return hash.error();
-    const std::string name = file.lexically_relative(output_.parent_path()).string();
-    const size_t query = place_ ? place_->name.find('?') : std::string::npos;
+    const std::string name = name_of(file);
+    const bool presigned = place_ && place_->name.find('?') != std::string::npos;
+    if (presigned && file != output_) {
+      log_warn("%s: is not stored; a presigned address is for its own object only",
+               place_->store->shown(name).c_str());
+      continue;
+    }
     if (place_) {
-      // A presigned address is for its own object only.
-      const bool own = file == output_ && query != std::string::npos;
-      if (auto put = place_->store->put_file(own ? place_->name : name, file); !put) return put.error();
+      if (auto put = place_->store->put_file(presigned ? place_->name : name, file); !put) return put.error();
     }
     std::error_code ignored;
     mark += std::to_string(fs::file_size(file, ignored)) + " " + *hash + " " + name + "\n";
@@ -330,13 +404,33 @@ Result<void> Job::put_mark(const std::string& mark, const std::string& scene_lis
     const std::string& before = scenes_.front().files.list_hash();
     key.replace(key.find(before), before.size(), scene_list);
   }
-  return checkpoints_->put(content_hash(std::as_bytes(std::span(key))) + ".done",
-                           std::as_bytes(std::span(mark)));
+  const auto store = ObjectStore::open(mark_place_, {.patience_s = kResultPatience_s});
+  if (!store) return store.error();
+  return (*store)->put(content_hash(std::as_bytes(std::span(key))) + ".done", std::as_bytes(std::span(mark)));
+}
+
+Result<void> Job::place_outputs() {
+  if (output_ == target_) return {};
+  std::error_code error;
+  if (!fs::exists(output_, error)) return {};
+  fs::create_directories(target_.parent_path(), error);
+  fs::rename(output_, target_, error);  // over an empty folder too
+  if (!error) return {};
+  const auto files = files_below(output_);
+  if (!files) return files.error();
+  for (const fs::path& file : *files) {
+    const fs::path to = target_ / file.lexically_relative(output_);
+    fs::create_directories(to.parent_path(), error);
+    fs::rename(file, to, error);
+    if (error) return file_error(to, "cannot be written", error);
+  }
+  return {};
 }
 
 Result<void> Job::finish() {
-  const auto mark = store_outputs();
-  if (!mark) return mark.error();
+  const auto outputs = store_outputs();
+  if (!outputs) return outputs.error();
+  const std::string& mark = output_.empty() ? printed_ : *outputs;
   if (inputs_changed_) {
     // The mark is stored before the list, which completes the publication: a job that is killed in between
     // finds the scene as it was and repeats the same work, and later the changed scene with its mark.
@@ -348,14 +442,13 @@ Result<void> Job::finish() {
                                                  ": was published again meanwhile; repeat the command"};
       const auto published =
           publish_scene(scene.files.path(), *scene.store,
-                        [&](const std::string& list_hash) { return put_mark(*mark, list_hash); });
+                        [&](const std::string& list_hash) { return put_mark(mark, list_hash); });
       if (!published) return published.error();
     }
-  } else if (auto put = put_mark(*mark, ""); !put) {
+  } else if (auto put = put_mark(mark, ""); !put) {
     return put;
   }
-  if (metrics_) metrics_->finished = true;
-  return {};
+  return place_outputs();
 }
 
 void Job::progress(size_t done, size_t total) {
@@ -365,7 +458,8 @@ void Job::progress(size_t done, size_t total) {
 }
 
 int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<fs::path*> inputs,
-               fs::path* output, const std::function<int(Job& job)>& run) {
+               fs::path* output, JobOutput kind, const std::function<int(Job& job)>& run,
+               const std::function<Result<void>(Job& job)>& name_inputs) {
   auto job = Job::begin(command, options);
   if (!job) return report_job(job.error());
   for (fs::path* input : inputs) {
@@ -373,16 +467,20 @@ int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<f
     if (!local) return report_job(local.error());
     *input = *std::move(local);
   }
+  if (name_inputs && (*job)->keeps_state()) {
+    if (auto named = name_inputs(**job); !named) return report_job(named.error());
+  }
   const std::string shown = output->empty() ? "livegs " + command.get_name() : shown_url(output->string());
   if (!output->empty()) {
-    auto local = (*job)->output(*output);
+    auto local = (*job)->output(*output, kind);
     if (!local) return report_job(local.error());
     *output = *std::move(local);
   }
   const auto finished = (*job)->finished();
   if (!finished) return report_job(finished.error());
   if (*finished) {
-    std::printf("%s: is done already\n", shown.c_str());
+    std::fputs((*job)->printed().c_str(), stdout);
+    std::fprintf(stderr, "%s: is done already\n", shown.c_str());
     return 0;
   }
   if (const int code = run(**job); code != 0) return code;

@@ -25,16 +25,22 @@ struct JobOptions {
 // Adds --checkpoints and --metrics.
 void add_job_options(CLI::App& command, JobOptions& options);
 
+enum class JobOutput { File, Folder };
+
 // A command whose inputs and outputs may be addresses (http://, https://, s3://), and that continues after
 // its process was killed. One thread, except for progress().
 //
-// - Temporary files of the process are in one folder, that of the job (TMPDIR), which ~Job() and SIGTERM
+// - Temporary files of the process are in one folder, that of the job (TMPDIR), which ~Job() and signals
 //   remove.
 // - Input: a file, a NAME.zip of a folder, or a NAME.scene.json of livegs publish. Fetched into the
 //   folder of the job.
-// - Output: a file or folder, written into the folder of the job and stored at the end.
+// - Output by address: written into the folder of the job and stored at the end. A local folder of a job with
+//   checkpoints: written next to it (.NAME.job) and moved there once the job is marked, so that a job that is
+//   killed in between finds no output and repeats the work.
 // - State, in the checkpoints: two objects in turn, so that one of them is whole, each with its own hash.
-// - Mark, in the checkpoints: the hash and size of every output. A job whose outputs exist is done.
+// - Mark, in the checkpoints: the hash and size of every output, or the printed text of a job without
+// outputs.
+//   A job whose outputs exist is done.
 //
 // State and mark belong to the bytes of the inputs, the options and the version: others are not used. The
 // mark of a command that changes its inputs (analyze --write) belongs to the changed bytes: only a scene of a
@@ -49,8 +55,13 @@ class Job {
 
   // The local path of an input; an empty path stays empty.
   Result<std::filesystem::path> input(const std::filesystem::path& given);
+  // A local file or bytes that the inputs name. Its content becomes part of the job.
+  Result<void> add_input_file(const std::filesystem::path& path);
+  void add_input_bytes(std::span<const std::byte> bytes);
   // The local path to write. One call for a job, after the inputs.
-  Result<std::filesystem::path> output(const std::filesystem::path& given);
+  Result<std::filesystem::path> output(const std::filesystem::path& given, JobOutput kind);
+  // Where a local output will be at the end; the path to write if it is an address.
+  const std::filesystem::path& target() const { return target_; }
 
   // Whether an earlier run has finished this job.
   Result<bool> finished();
@@ -59,7 +70,13 @@ class Job {
   Result<std::optional<std::vector<std::byte>>> last_state();
   // `step`: larger than that of the state before.
   Result<void> keep_state(size_t step, std::span<const std::byte> state);
-  // Stores the outputs, the changed scene and the mark, and removes nothing.
+  // The same for the files of a folder without folders; last_files() writes them there.
+  Result<void> keep_files(size_t step, const std::filesystem::path& folder);
+  Result<void> last_files(const std::filesystem::path& folder);
+  // Prints to standard output. The text is kept in the mark of a job without outputs.
+  void print(const std::string& text);
+  const std::string& printed() const { return printed_; }
+  // Stores the outputs, the changed scene and the mark, and moves local outputs to their place.
   Result<void> finish();
 
   // SIGTERM ends the process at once again: there is no state to store any more.
@@ -75,8 +92,10 @@ class Job {
   Job() = default;
   void add_to_key(const std::string& text) { key_text_ += text + "\n"; }
   Result<void> add_file_to_key(const std::filesystem::path& path);
-  std::string object(const char* ending) const;  // name in the checkpoints
-  Result<std::string> store_outputs();           // returns the mark: a line for each
+  std::string object(const char* ending) const;                    // name in the checkpoints
+  Result<std::string> store_outputs();                             // returns the mark: a line for each
+  Result<void> place_outputs();                                    // moves staged ones to the target
+  std::string name_of(const std::filesystem::path& output) const;  // in the mark and in the store
   // `scene_list`: hash of the list of the changed scene; empty if the inputs did not change.
   Result<void> put_mark(const std::string& mark, const std::string& scene_list);
   Result<std::vector<std::filesystem::path>> output_files() const;
@@ -91,9 +110,9 @@ class Job {
   std::vector<FetchedScene> scenes_;
   std::shared_ptr<ObjectStore> checkpoints_;
   std::string key_text_;
-  std::filesystem::path output_;  // local
-  std::filesystem::file_time_type
-      begun_{};                       // older files of a local output folder are not outputs of this run
+  std::string mark_place_, printed_;
+  std::filesystem::path output_, target_;  // local; where it is written, and where it belongs
+  JobOutput output_kind_ = JobOutput::File;
   std::optional<ObjectPlace> place_;  // of the output, if it is an address
   size_t next_slot_ = 0, inputs_ = 0;
   std::unique_ptr<JobMetrics> metrics_;
@@ -105,8 +124,10 @@ int report_job(const Error& error);
 
 // Runs a command as a job: begins it, replaces the addresses by local paths, and stores the outputs.
 // `inputs`, `output`: paths of the command's options, empty if not given; a job without an output is done
-// once its mark exists. `run` gives the exit code.
+// once its mark exists. `run` gives the exit code. `name_inputs` adds the files that local inputs name;
+// called only with checkpoints.
 int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<std::filesystem::path*> inputs,
-               std::filesystem::path* output, const std::function<int(Job& job)>& run);
+               std::filesystem::path* output, JobOutput kind, const std::function<int(Job& job)>& run,
+               const std::function<Result<void>(Job& job)>& name_inputs = {});
 
 }  // namespace livegs

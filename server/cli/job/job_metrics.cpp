@@ -71,7 +71,6 @@ std::string JobMetrics::text() const {
   add("livegs_job_steps_done", "Steps done, also by earlier runs of the job", steps_done);
   add("livegs_job_steps", "Steps of the whole job; 0: unknown", steps);
   add("livegs_job_checkpoint_step", "Step of the last checkpoint", checkpoint_step);
-  add("livegs_job_finished", "1 once the outputs are stored", finished ? 1 : 0);
   return all;
 }
 

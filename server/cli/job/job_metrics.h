@@ -23,7 +23,6 @@ class JobMetrics {
 
   // Any thread.
   std::atomic<size_t> steps_done = 0, steps = 0, checkpoint_step = 0;
-  std::atomic<bool> finished = false;
 
  private:
   JobMetrics() = default;

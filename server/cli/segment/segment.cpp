@@ -7,11 +7,14 @@
 #include "cli/commands.h"
 #include "cli/job/job.h"
 #include "cli/segment/segment_room.h"
+#include "cli/shown_paths.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 
 namespace livegs {
 namespace {
+
+constexpr size_t kSteps = 1000;  // of the whole work, for the metrics
 
 struct SegmentCommand {
   std::filesystem::path input, cameras;
@@ -22,8 +25,8 @@ struct SegmentCommand {
 
 int segment(SegmentCommand command, Job& job) {
   SegmentRequest& request = command.request;
-  request.progress = [&job, steps = size_t{0}]() mutable { job.progress(++steps, 0); };
-  if (auto checked = check_segment_folder(request.output); !checked) return report(checked.error());
+  request.progress = [&job](double done) { job.progress(static_cast<size_t>(kSteps * done), kSteps); };
+  if (auto checked = check_segment_folder(job.target()); !checked) return report(checked.error());
   if (!request.masks.empty() && command.cameras.empty())
     return report(invalid_argument(
         "--masks: needs the cameras of the photos; add --cameras with their transforms.json"));
@@ -43,9 +46,11 @@ int segment(SegmentCommand command, Job& job) {
     request.cameras = std::move(read->views);
   }
   const auto outcome = segment_room(std::move(file->asset), request);
-  if (!outcome) return report(outcome.error());
-  std::printf("%s: %zu things; run livegs-server %s\n", request.output.c_str(), outcome->things,
-              (request.output / "room.scene.json").c_str());
+  if (!outcome) return report_job(outcome.error());
+  job.progress(kSteps, kSteps);
+  const std::string folder = with_shown_paths(request.output.string());
+  std::printf("%s: %zu things; run livegs-server %s/room.scene.json\n", folder.c_str(), outcome->things,
+              folder.c_str());
   return 0;
 }
 
@@ -83,9 +88,9 @@ void add_segment(CLI::App& app, int& exit_code) {
       ->excludes("--scale");
   add_job_options(*command, options->job);
   command->callback([options, command, &exit_code] {
-    exit_code =
-        run_as_job(*command, options->job, {&options->input, &options->cameras, &options->request.masks},
-                   &options->request.output, [&](Job& job) { return segment(*options, job); });
+    exit_code = run_as_job(
+        *command, options->job, {&options->input, &options->cameras, &options->request.masks},
+        &options->request.output, JobOutput::Folder, [&](Job& job) { return segment(*options, job); });
   });
 }
 

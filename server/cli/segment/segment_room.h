@@ -29,7 +29,8 @@ struct SegmentRequest {
   double scale = 1.0;                 // metres per unit of the asset
   std::optional<KnownLength> known;   // instead of `scale`
   std::filesystem::path output;       // new or empty folder
-  std::function<void()> progress;     // called after each view and each step of the work; may be empty
+  // Called after each view and each step of the work with the part that is done, 0 to 1; may be empty.
+  std::function<void(double done)> progress;
 };
 struct SegmentOutcome {
   size_t things = 0;

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "analysis/physics_file.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -131,10 +132,13 @@ Result<PublishedScene> publish_scene(
   }
   for (const fs::path& sidecar : sidecar_paths(text->file, text->folder, text->name)) {
     std::error_code ignored;
-    if (sidecar.empty() || !fs::is_regular_file(sidecar, ignored)) continue;
-    if (auto added = add(sidecar.lexically_relative(text->folder.empty() ? "." : text->folder).string());
-        !added)
-      return added.error();
+    if (sidecar.empty()) continue;
+    for (const fs::path& file : {sidecar, physics_log_path(sidecar)}) {
+      if (!fs::is_regular_file(file, ignored)) continue;
+      if (auto added = add(file.lexically_relative(text->folder.empty() ? "." : text->folder).string());
+          !added)
+        return added.error();
+    }
   }
   if (auto added = publisher.add_asset(*Scene::ball_asset()); !added) return added.error();
   for (const SceneObject& object : scene->objects()) {

@@ -24,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxListBytes = 64 << 20;
+constexpr int kFetches = 2;  // of a file, until its bytes have their hash
 
 std::string without_scene_ending(std::string name) {
   constexpr std::string_view kEnding = ".scene.json";
@@ -86,15 +87,22 @@ Result<void> check_paths(const fs::path& path, const std::string& shown) {
 
 Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, const fs::path& folder,
                         std::stop_token stop) {
-  auto bytes = store.get_by_hash(file.sha256(), kMaxObjectBytes, stop);
-  if (!bytes) return Error{bytes.error().code, file.path() + ": " + bytes.error().message};
-  const fs::path path = folder / file.path();
+  const fs::path path = folder / file.path(), part = path.string() + ".part";
   std::error_code failed;
   fs::create_directories(path.parent_path(), failed);
   if (failed)
     return Error{ErrorCode::Internal, path.parent_path().string() + ": cannot be created: " +
                                           failed.message() + "; set TMPDIR to another folder"};
-  return write_file_atomically(path, *bytes);
+  for (int attempt = 0; attempt < kFetches; ++attempt) {
+    const auto hash = store.read_to_file(file.sha256(), part, stop);
+    if (!hash) return Error{hash.error().code, file.path() + ": " + hash.error().message};
+    if (*hash != file.sha256()) continue;
+    fs::rename(part, path, failed);
+    if (!failed) return {};
+    return file_error(path, "cannot be written", failed);
+  }
+  return invalid_data(file.path() + ": " + store.shown(file.sha256()) +
+                      ": its bytes have another hash; remove the object and publish the scene again");
 }
 
 }  // namespace

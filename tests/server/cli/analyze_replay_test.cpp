@@ -3,11 +3,13 @@
 // must write the same sidecars, byte by byte, at any time and place.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "analysis/physics_file.h"
 #include "core/file.h"
@@ -73,6 +75,47 @@ std::string bytes_of(const fs::path& path) {
   auto text = read_text_file(path, 1 << 24);
   EXPECT_TRUE(text) << text.error().message;
   return text ? *text : "";
+}
+
+// The answers of a job are in its checkpoints: a job that is killed does not pay for them again.
+TEST(AnalyzeReplay, AKilledJobKeepsItsAnswers) {
+  const ScratchFolder scratch;
+  ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
+  for (const char* name : {"OPENAI_BASE_URL", "OPENAI_API_KEY", "LIVEGS_MODEL"}) ::unsetenv(name);
+  fs::create_directories(scratch / "two");
+  ASSERT_TRUE(
+      write_asset(scratch / "two/cup.ply", mesh_asset(sphere_mesh(0.05, 3), {0.8f, 0.7f, 0.6f}, 2000)));
+  ASSERT_TRUE(write_asset(scratch / "two/duck.ply",
+                          mesh_asset(box_mesh({0.1, 0.08, 0.1}), {0.9f, 0.8f, 0.1f}, 2000)));
+  const fs::path state = scratch / "state";
+  std::atomic<bool> silent = true;  // about the duck
+  TestHttpServer server([&](const SeenRequest& request, int index) {
+    Reply reply = made_up_answer(request, index);
+    reply.hang = silent && asks_about(request, "duck");
+    if (reply.hang) reply.cut_after = 0;
+    return reply;
+  });
+  const std::vector<std::string> words = {LIVEGS_TOOL,  "analyze",         scratch / "two",
+                                          "--endpoint", server.base_url(), "--model",
+                                          "made-up",    "--checkpoints",   state};
+  Program killed(words);
+  std::error_code ignored;
+  for (int i = 0; i < 3000 && (!fs::exists(state, ignored) || fs::is_empty(state, ignored)); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  killed.send(SIGKILL);
+  EXPECT_EQ(killed.wait(), 128 + SIGKILL) << killed.err();
+  silent = false;
+  const size_t before = server.posts().size();
+  Program next(words);
+  ASSERT_EQ(next.wait(), 0) << next.err();
+  EXPECT_NE(next.err().find("cup: accepted, from the cache"), std::string::npos) << next.err();
+  const auto posts = server.posts();
+  EXPECT_GT(posts.size(), before);
+  for (size_t i = before; i < posts.size(); ++i) EXPECT_FALSE(asks_about(posts[i], "cup"));
+  Program again(words);
+  EXPECT_EQ(again.wait(), 0) << again.err();
+  EXPECT_EQ(again.out(), next.out());
+  EXPECT_EQ(server.posts().size(), posts.size());
 }
 
 TEST(AnalyzeReplay, ReplayGivesTheSameBytesOffline) {

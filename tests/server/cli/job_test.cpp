@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zip.h>
 
+#include <atomic>
 #include <csignal>
 #include <random>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "core/file.h"
 #include "object_store_mock.h"
 #include "scratch_folder.h"
+#include "splat/image.h"
 #include "system/support/program.h"
 #include "system/support/read_metrics.h"
 
@@ -96,7 +98,7 @@ TEST_F(Jobs, AKilledTrainingEndsWithTheSameBytes) {
   const size_t requests = mock_.requests().size();
   Program again(words());
   EXPECT_EQ(again.wait(), 0) << again.err();
-  EXPECT_NE(again.out().find("is done already"), std::string::npos) << again.out();
+  EXPECT_NE(again.err().find("is done already"), std::string::npos) << again.err();
   for (const auto& all = mock_.requests(); const SeenRequest& request : std::span(all).subspan(requests))
     EXPECT_NE(request.method, "PUT") << request.path;
 }
@@ -127,8 +129,74 @@ TEST_F(Jobs, AnotherObjectInItsPlaceIsNotTheOutput) {
   mock_.set("out/room.ply", other);
   Program again(words());
   ASSERT_EQ(again.wait(), 0) << again.err();
-  EXPECT_EQ(again.out().find("is done already"), std::string::npos) << again.out();
+  EXPECT_EQ(again.err().find("is done already"), std::string::npos) << again.err();
   EXPECT_EQ(mock_.get("out/room.ply"), whole);
+}
+
+// A presigned output: the picture next to it has no signature and is not stored.
+TEST_F(Jobs, APresignedOutputIsStored) {
+  mock_.set_fault([](const SeenRequest& request, int) {
+    std::optional<Reply> refused;
+    if (request.method == "PUT" && request.path.find("/out/") == 0 &&
+        request.path.find("?signature=1") == std::string::npos)
+      refused.emplace().status = 403;
+    return refused;
+  });
+  auto presigned = words();
+  presigned[4] += "?signature=1";
+  Program job(presigned);
+  ASSERT_EQ(job.wait(), 0) << job.err();
+  EXPECT_NE(mock_.get("out/room.ply?signature=1"), "");
+  EXPECT_NE(job.err().find("/out/room.png: is not stored"), std::string::npos) << job.err();
+  Program again(presigned);
+  EXPECT_EQ(again.wait(), 0) << again.err();
+  EXPECT_NE(again.err().find("is done already"), std::string::npos) << again.err();
+}
+
+// Photos outside the folder of the poses belong to the job.
+TEST_F(Jobs, PhotosElsewhereBelongToTheJob) {
+  const fs::path poses = folder_ / "poses/cams.json";
+  fs::create_directories(poses.parent_path());
+  std::string text = read_text_file(folder_ / "photos/transforms.json").value();
+  for (size_t at = 0; (at = text.find("\"file_path\"", at)) != std::string::npos; at += 20) {
+    const size_t quote = text.find('"', text.find(':', at));
+    text.insert(quote + 1, "../photos/");
+  }
+  folder_.write("poses/cams.json", text);
+  auto local = words("5");
+  local[2] = poses;
+  const auto is_done = [&] {
+    Program job(local);
+    EXPECT_EQ(job.wait(), 0) << job.err();
+    return job.err().find("is done already") != std::string::npos;
+  };
+  EXPECT_FALSE(is_done());
+  EXPECT_TRUE(is_done());
+  fs::path photo;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "photos")) {
+    if (entry.path().extension() == ".png" && (photo.empty() || entry.path() < photo)) photo = entry.path();
+  }
+  Image picture = read_png(photo).value();
+  picture.pixels[0] = 1.0f - picture.pixels[0];
+  ASSERT_TRUE(write_png(photo, picture));
+  EXPECT_FALSE(is_done());
+}
+
+// A short outage while a state is stored does not end the training.
+TEST_F(Jobs, ATrainingSurvivesAStateThatIsNotStored) {
+  std::atomic<bool> refused = false;
+  mock_.set_fault([&](const SeenRequest& request, int) {
+    std::optional<Reply> reply;
+    if (request.method != "PUT" || request.path.find(".state") == std::string::npos || refused) return reply;
+    refused = true;
+    reply.emplace().status = 503;
+    reply->headers.push_back("Retry-After: 60");  // longer than the patience: reported at once
+    return reply;
+  });
+  Program job(words());
+  ASSERT_EQ(job.wait(), 0) << job.err();
+  EXPECT_TRUE(refused);
+  EXPECT_NE(mock_.get("out/room.ply"), "");
 }
 
 TEST_F(Jobs, InputsThatNameOtherFilesAreRefused) {

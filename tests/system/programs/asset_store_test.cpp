@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <set>
 #include <span>
 
@@ -61,6 +62,7 @@ class AssetStores : public Programs {
   }
   std::string scene_;
   ObjectStoreMock mock_;
+  std::map<std::string, std::string> objects_;  // as published, by path
 };
 
 TEST_F(AssetStores, SignalEndsAFetchAndLeavesNoFiles) {
@@ -138,6 +140,46 @@ TEST_F(AssetStores, ClientsFetchFromTheServerWhenTheStoreFails) {
   faulty("failing", failing);
   faulty("wrong", wrong);
   faulty("cut", cut);
+}
+
+// Each first reply for an object is cut, slow or a temporary failure; then one refuses, and one is down.
+TEST_F(AssetStores, AServerStartsFromAFaultyStoreOrSaysWhy) {
+  publish();
+  Reply failing, refused;
+  failing.status = 503;
+  refused.status = 403;
+  const auto first_replies = [&](const std::function<std::optional<Reply>(std::string body)>& fault) {
+    mock_.set_fault([&, fault](const SeenRequest& request, int index) {
+      return index > 0 || request.method != "GET" ? std::nullopt : fault(objects_.at(request.path));
+    });
+    Program server(stored_server(mock_.url() + "/hall.scene.json"));
+    EXPECT_NE(server.first_line(), "") << server.err();
+    server.send(SIGTERM);
+    EXPECT_EQ(server.wait(), 0) << server.err();
+  };
+  for (const std::string& name : mock_.names()) objects_["/" + name] = mock_.get(name);
+  first_replies([&](const std::string&) { return std::optional<Reply>(failing); });
+  first_replies([](std::string body) {
+    std::optional<Reply> cut(std::in_place);
+    cut->cut_after = body.size() / 2;
+    cut->headers.push_back("ETag: " + ObjectStoreMock::etag_of(body));
+    cut->body = std::move(body);
+    return cut;
+  });
+  first_replies([](std::string body) {
+    std::optional<Reply> slow(std::in_place);
+    slow->piece_bytes = body.size() / 4 + 1;
+    slow->piece_delay_ms = 100;
+    slow->body = std::move(body);
+    return slow;
+  });
+  failing.headers.push_back("Retry-After: 60");  // longer than the patience: reported at once
+  for (const Reply& reply : {refused, failing}) {
+    mock_.set_fault([&](const SeenRequest&, int) { return std::optional<Reply>(reply); });
+    Program server(stored_server(mock_.url() + "/hall.scene.json"));
+    EXPECT_NE(server.wait(), 0);
+    expect_one_line(server, "hall.files.json: the store answers with status " + std::to_string(reply.status));
+  }
 }
 
 TEST_F(AssetStores, FilesAreVerified) {
