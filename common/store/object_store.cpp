@@ -172,6 +172,8 @@ std::string code_of(std::string_view body) {
   return std::all_of(code.begin(), code.end(), plain) ? std::string(code) : "";
 }
 
+constexpr std::uint64_t kMaxUploadBytes = std::uint64_t{5} << 30;  // of S3, for one PUT
+
 class HttpStore final : public ObjectStore {
  public:
   HttpStore(std::string base, std::string shown, std::optional<AwsKeys> keys, const StoreTimes& times)
@@ -248,6 +250,10 @@ class HttpStore final : public ObjectStore {
   }
 
   Result<void> put(const std::string& name, std::span<const std::byte> bytes, std::stop_token stop) override {
+    if (keys_ && bytes.size() > kMaxUploadBytes)
+      return Error{ErrorCode::TooLarge, shown(name) +
+                                            ": has more than 5 GiB, the limit of S3 for one upload; give "
+                                            "a folder or an address that accepts PUT"};
     HttpRequest request = to(name);
     request.put = &bytes;
     const auto reply = repeated(name, request, stop);

@@ -9,6 +9,7 @@
 #include "core/result.h"
 #include "fit/fit_quantity.h"
 #include "fit/point_tracks.h"
+#include "fit/simulation_journal.h"
 #include "scene/scene.h"
 #include "splat/camera.h"
 #include "splat/image.h"
@@ -25,8 +26,9 @@ struct FitRequest {
   Camera camera;  // at rest, in the world of the scene
   // Quantities to find, by object; none: the default of the body. Empty: the only moving object.
   std::vector<std::pair<std::string, std::vector<FitQuantity>>> objects;
-  double first_frame_s = 0;  // scene time of the first frame of a video
-  double max_seconds = 60;   // of the recording; the rest is ignored
+  double first_frame_s = 0;              // scene time of the first frame of a video
+  double max_seconds = 60;               // of the recording; the rest is ignored
+  SimulationJournal* journal = nullptr;  // of fit_scene(), which it must outlive
 };
 
 struct FittedValue {

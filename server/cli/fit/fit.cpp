@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 struct FitCommand {
   fs::path scene, video, tracks, camera, output;
   std::vector<std::string> find;
-  double first_frame_s = 0, max_seconds = 10;
+  double first_frame_s = 0, max_seconds = 10, every_s = 10;
   bool quiet = false;       // --quiet of the program
   bool at_address = false;  // the scene or the output: the fitted scene keeps the paths of the scene
   JobOptions job;
@@ -168,8 +168,29 @@ int run_fit(const FitCommand& command, Job& job) {
   sigaction(SIGINT, &action, nullptr);
   const int64_t started_ns = now_ns();
   size_t lines = 0;
+  SimulationJournal journal;
+  if (job.keeps_state()) {
+    const auto state = job.last_state();
+    if (!state) return report_job(state.error());
+    if (*state) {
+      if (auto read = journal.read(**state); !read) return report(read.error());
+    }
+    request->journal = &journal;
+  }
+  size_t kept = journal.size();
+  int64_t next_ns = started_ns + static_cast<int64_t>(1e9 * command.every_s);
+  const auto keep_state = [&] {
+    if (!job.keeps_state() || journal.size() == kept || now_ns() < next_ns) return;
+    const int64_t begun_ns = now_ns();
+    kept = journal.size();
+    if (auto stored = job.keep_state(kept, journal.bytes()); !stored)
+      log_warn("%s", stored.error().message.c_str());
+    // A slow store does not take more than a tenth of the time.
+    next_ns = now_ns() + std::max(static_cast<int64_t>(1e9 * command.every_s), 9 * (now_ns() - begun_ns));
+  };
   const FitProgress progress = [&](const std::string& line) {
     job.progress(++lines, 0);
+    keep_state();
     set_log_level(LogLevel::Error);  // each simulation would print the notes of the first one
     if (!command.quiet)
       std::fprintf(stderr, "%5.0f s  %s\n", milliseconds_from_ns(now_ns() - started_ns) / 1000, line.c_str());
@@ -230,6 +251,11 @@ void add_fit(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0.05, 60.0))
       ->capture_default_str();
   command
+      ->add_option("--every", options->every_s,
+                   "With --checkpoints: seconds after which the state is stored, the results of simulations")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command
       ->add_option("--output,-o", options->output,
                    "Output folder: fit.json, fitted.scene.json, paths.png, measured.csv and simulated.csv")
       ->required();
@@ -239,7 +265,8 @@ void add_fit(CLI::App& app, int& exit_code) {
                  {"--camera", "CAMERA_FILE"},
                  {"--first-frame", "SECONDS"},
                  {"--max-seconds", "SECONDS"}});
-  group_options(*command, "Result", {{"--find", "NAME[=QUANTITY,...]"}, {"--output", "FOLDER"}});
+  group_options(*command, "Result",
+                {{"--find", "NAME[=QUANTITY,...]"}, {"--output", "FOLDER"}, {"--every", "SECONDS"}});
   command->footer(
       "Examples:\n"
       "  livegs fit hat.scene.json --video hat.mp4 --camera camera.json -o out/fit\n"

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "core/content_hash.h"
+#include "core/text/format_text.h"
 #include "scene/build/build_cache.h"
 #include "skin/skin_kernels.h"
 
@@ -34,11 +37,12 @@ Eigen::Vector3d PointPaths::at(size_t point, double time_s) const {
 }
 
 PointMotion::PointMotion(std::filesystem::path folder, std::string name, std::vector<TrackedPoint> points,
-                         std::shared_ptr<BuildCache> cache)
+                         std::shared_ptr<BuildCache> cache, SimulationJournal* journal)
     : folder_(std::move(folder)),
       name_(std::move(name)),
       points_(std::move(points)),
-      cache_(std::move(cache)) {}
+      cache_(std::move(cache)),
+      journal_(journal) {}
 
 Result<Scene> PointMotion::build(const v1::Scene& file) const {
   SceneOptions options;
@@ -48,6 +52,16 @@ Result<Scene> PointMotion::build(const v1::Scene& file) const {
 }
 
 Result<PointPaths> PointMotion::simulate(const v1::Scene& file, double end_s) const {
+  if (!journal_) return simulate_now(file, end_s);
+  const std::string text = file.SerializeAsString() + format_text("%a", end_s);
+  const std::string key = content_hash(std::as_bytes(std::span(text)));
+  if (auto known = journal_->find(key)) return *std::move(known);
+  auto paths = simulate_now(file, end_s);
+  if (paths) journal_->add(key, *paths);
+  return paths;
+}
+
+Result<PointPaths> PointMotion::simulate_now(const v1::Scene& file, double end_s) const {
   auto scene = build(file);
   if (!scene) return scene.error();
   std::vector<BoundPoints> bound;

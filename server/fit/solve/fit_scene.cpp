@@ -251,7 +251,7 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     return invalid_data("tracks: the motion is seen in fewer than three frames; give a longer recording");
 
   FitResult result;
-  const PointMotion motion(request.scene.folder, request.scene.name, points, cache);
+  const PointMotion motion(request.scene.folder, request.scene.name, points, cache, request.journal);
   MotionProblem problem(motion, first->file, first->parameters, kept, request.camera);
   SceneFit fit(problem, progress);
   const Unknowns before = problem.before();

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <span>
 
 #include "fit/point_tracks.h"
+#include "fit/simulation_journal.h"
 #include "fit/tracks/point_tracker.h"
 #include "scratch_folder.h"
 
@@ -101,6 +103,31 @@ TEST(PointTracker, LostPointsAreNotFoundAgain) {
   GreyPicture blank{96, 80, std::vector<uint8_t>(96 * 80, 128)};
   for (const Eigen::Vector2d& px : tracker.advance(blank)) EXPECT_TRUE(px.hasNaN());
   for (const Eigen::Vector2d& px : tracker.advance(texture(0, 0))) EXPECT_TRUE(px.hasNaN());
+}
+
+TEST(SimulationJournal, KeepsPathsAndRefusesDamagedBytes) {
+  PointPaths paths;
+  paths.rate_hz = 90;
+  paths.points = 2;
+  paths.positions_m = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {0.1f, 0.2f, 0.3f}};
+  SimulationJournal journal;
+  journal.add("first", paths);
+  journal.add("second", PointPaths{});
+  const auto bytes = journal.bytes();
+  SimulationJournal other;
+  ASSERT_TRUE(other.read(bytes));
+  EXPECT_EQ(other.size(), 2u);
+  EXPECT_EQ(other.find("first")->positions_m, paths.positions_m);
+  EXPECT_EQ(other.find("first")->rate_hz, 90);
+  EXPECT_FALSE(other.find("third"));
+  EXPECT_EQ(other.bytes(), bytes);
+  for (size_t size = 0; size < bytes.size(); ++size) {
+    SimulationJournal damaged;
+    const bool whole = damaged.read(std::span(bytes).first(size)).has_value();
+    EXPECT_EQ(damaged.size(), whole ? (size > 0 ? 1u : 0u) : 0u) << size;
+  }
+  std::vector<std::byte> wrong(64, std::byte{0xff});
+  EXPECT_FALSE(SimulationJournal().read(wrong));
 }
 
 }  // namespace

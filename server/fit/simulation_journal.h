@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "fit/point_paths.h"
+
+namespace livegs {
+
+// Results of the simulations of a fit, by scene and length, so that a fit that was interrupted repeats none
+// of them. For one recording, one scene and one version of the program. Any thread.
+class SimulationJournal {
+ public:
+  size_t size() const;
+  std::optional<PointPaths> find(const std::string& key) const;
+  void add(const std::string& key, const PointPaths& paths);
+
+  std::vector<std::byte> bytes() const;
+  // Adds the results of bytes(). InvalidData if they are damaged.
+  Result<void> read(std::span<const std::byte> bytes);
+
+ private:
+  mutable std::mutex mutex_;  // guards results_
+  std::map<std::string, PointPaths> results_;
+};
+
+}  // namespace livegs
