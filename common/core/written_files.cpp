@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <mutex>
-#include <vector>
 
 namespace livegs {
 namespace {
@@ -27,6 +26,18 @@ void note_written(const std::filesystem::path& path) {
   if (group == groups.end()) group = groups.insert(groups.end(), {path.parent_path(), path.extension(), {}});
   if (std::find(group->files.rbegin(), group->files.rend(), path) == group->files.rend())
     group->files.push_back(path);
+}
+
+std::vector<std::filesystem::path> written_files() {
+  std::lock_guard lock(mutex);
+  std::vector<std::filesystem::path> files;
+  std::error_code ignored;
+  for (const Group& group : groups) {
+    for (const std::filesystem::path& file : group.files) {
+      if (std::filesystem::exists(file, ignored)) files.push_back(file);
+    }
+  }
+  return files;
 }
 
 std::string written_files_text() {

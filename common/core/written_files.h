@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace livegs {
 
@@ -10,6 +11,9 @@ namespace livegs {
 
 // Adds a file that was written for the user. A file that is written again counts once.
 void note_written(const std::filesystem::path& path);
+
+// These files, as far as they still exist.
+std::vector<std::filesystem::path> written_files();
 
 // One line per file that still exists, "written: PATH"; more than kMaxNamedFiles of a folder with the same
 // ending become one line with their number. In the order of the first of each. Empty if there are none.

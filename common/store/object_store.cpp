@@ -473,6 +473,10 @@ Result<std::string> ObjectStore::read_to_file(const std::string& name, const fs:
   if (!done) return done.error();
   out.close();
   if (!out) return unwritten;
+  const int written = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = written >= 0 && ::fsync(written) == 0;
+  if (written >= 0) ::close(written);
+  if (!synced) return unwritten;
   return hasher.hash();
 }
 

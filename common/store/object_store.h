@@ -85,8 +85,8 @@ class ObjectStore {
   Result<std::vector<std::byte>> get_by_hash(const std::string& hash,
                                              std::uint64_t max_bytes = kMaxObjectBytes,
                                              std::stop_token stop = {});
-  // Writes an object to a file and returns its SHA-256. After an error, the file may be incomplete. Internal
-  // if it cannot be written.
+  // Writes an object to a file, also to the disk, and returns its SHA-256. After an error, the file may be
+  // incomplete. Internal if it cannot be written.
   Result<std::string> read_to_file(const std::string& name, const std::filesystem::path& path,
                                    std::stop_token stop = {});
   // SHA-256 of an object; its bytes are not kept.

@@ -20,6 +20,7 @@ class SimulationJournal {
  public:
   size_t size() const;
   std::optional<PointPaths> find(const std::string& key) const;
+  // Empty paths are not kept, and nothing above 1 GiB.
   void add(const std::string& key, const PointPaths& paths);
 
   std::vector<std::byte> bytes() const;
@@ -27,8 +28,9 @@ class SimulationJournal {
   Result<void> read(std::span<const std::byte> bytes);
 
  private:
-  mutable std::mutex mutex_;  // guards results_
+  mutable std::mutex mutex_;  // guards the members below
   std::map<std::string, PointPaths> results_;
+  size_t bytes_ = 0;  // of bytes()
 };
 
 }  // namespace livegs

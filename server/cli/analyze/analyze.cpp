@@ -30,6 +30,7 @@
 #include "core/text/help_format.h"
 #include "core/text/path_ending.h"
 #include "core/text/shown_text.h"
+#include "core/written_files.h"
 #include "scene/views/scene_analysis.h"
 #include "scene/views/target_views.h"
 
@@ -204,7 +205,10 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
     for (AnalysisImage& image : *coloured) shown[i].images.push_back(std::move(image));
   }
   auto written = write_file_atomically(page, explain_page(object.target, update, shown));
-  if (written) std::fprintf(stderr, "written: %s\n", with_shown_paths(page.string()).c_str());
+  if (written) {
+    note_written(page);
+    std::fprintf(stderr, "written: %s\n", with_shown_paths(page.string()).c_str());
+  }
   return written;
 }
 
@@ -247,7 +251,7 @@ Result<void> check_options(const AnalyzeCommand& options) {
 
 int analyze(const AnalyzeCommand& options, Job& job) {
   if (auto checked = check_options(options); !checked) return report(checked.error());
-  if (auto checked = check_output_folder(options.explain); !checked) return report(checked.error());
+  if (auto checked = check_output_folder(options.explain); !checked) return report_job(checked.error());
   if (options.decision.any()) {
     job.leave_unmarked();
     const auto scene = scene_of(options);
@@ -309,8 +313,8 @@ int analyze(const AnalyzeCommand& options, Job& job) {
         if (update.stage != AnalysisStage::Finished) return;
         job.progress(++finished, all.size());
         if (keeps_answers) {
-          if (auto kept = job.keep_files(finished, answers); !kept)
-            log_warn("%s", kept.error().message.c_str());
+          if (auto kept = job.keep_files(answers); !kept)
+            log_warn("%s", with_shown_paths(kept.error().message).c_str());
         }
         // Saved at once, so that paid answers survive an interruption.
         if (options.write) {

@@ -30,6 +30,15 @@ Result<void> add_photos(const std::filesystem::path& photos, Job& job) {
       if (auto added = job.add_input_file(file); !added) return added;
     }
   }
+  // A file of poses stands for those next to it.
+  std::error_code ignored;
+  for (const char* name : {"transforms.json", "transforms_train.json", "transforms_test.json"}) {
+    const std::filesystem::path poses = std::filesystem::absolute(photos).parent_path() / name;
+    if (!std::filesystem::is_regular_file(photos, ignored) ||
+        !std::filesystem::is_regular_file(poses, ignored))
+      continue;
+    if (auto added = job.add_input_file(poses); !added) return added;
+  }
   job.add_input_bytes(std::as_bytes(std::span(capture->points)));
   job.add_input_bytes(std::as_bytes(std::span(capture->point_colours)));
   return {};
@@ -44,7 +53,8 @@ int train(TrainCommand options, Job& job) {
                                                              : ShapeLoss::Anisotropy;
   const auto capture = read_capture(options.photos);
   if (!capture) return report(capture.error());
-  for (const std::string& note : capture->notes) log_warn("%s: %s", options.photos.c_str(), note.c_str());
+  for (const std::string& note : capture->notes)
+    log_warn("%s: %s", with_shown_paths(options.photos.string()).c_str(), note.c_str());
   const auto outcome = run_training(*capture, options.run);
   if (!outcome) return report_job(outcome.error());
   if (outcome->evicted) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "cli/choose_device.h"
+#include "cli/shown_paths.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
@@ -102,8 +103,9 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
     if (!bytes) return bytes.error();
     if (auto resumed = trainer->resume(*bytes); !resumed) return resumed.error();
   }
-  log_info("%s: %zu photos, %zu points, extent %.3g units; %zu kernels at the start", capture.folder.c_str(),
-           capture.views.size(), capture.points.size(), trainer->extent(), trainer->kernels().size());
+  log_info("%s: %zu photos, %zu points, extent %.3g units; %zu kernels at the start",
+           with_shown_paths(capture.folder.string()).c_str(), capture.views.size(), capture.points.size(),
+           trainer->extent(), trainer->kernels().size());
 
   std::signal(SIGINT, note_train_interrupt);
   if (keeps) std::signal(SIGTERM, note_train_interrupt);
@@ -120,10 +122,9 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
       best_score = *score;
       best = trainer->asset();
     }
-    // The next state may be stored again.
     if (auto kept = keep(); !kept) {
-      if (!keeps || kept.error().code != ErrorCode::Unavailable) return kept.error();
-      log_warn("%s", kept.error().message.c_str());
+      if (!keeps) return kept.error();
+      log_warn("%s; the training goes on without this state", kept.error().message.c_str());
     }
   }
   if (train_interrupted == SIGTERM) {

@@ -158,7 +158,7 @@ Result<void> write_result(const FitCommand& command, const FitRequest& request, 
 int run_fit(const FitCommand& command, Job& job) {
   if (!std::isfinite(command.first_frame_s) || !std::isfinite(command.max_seconds))
     return report(invalid_argument("--first-frame, --max-seconds: must be finite numbers"));
-  if (auto checked = check_output_folder(command.output); !checked) return report(checked.error());
+  if (auto checked = check_output_folder(command.output); !checked) return report_job(checked.error());
   auto request = request_of(command);
   if (!request) return report(request.error());
   // Ctrl-C ends the search; the best values so far are written. A second one ends the program.
@@ -173,7 +173,7 @@ int run_fit(const FitCommand& command, Job& job) {
     const auto state = job.last_state();
     if (!state) return report_job(state.error());
     if (*state) {
-      if (auto read = journal.read(**state); !read) return report(read.error());
+      if (auto read = journal.read(**state); !read) log_warn("%s", read.error().message.c_str());
     }
     request->journal = &journal;
   }

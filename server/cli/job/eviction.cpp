@@ -4,6 +4,7 @@
 #include <semaphore.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -16,8 +17,9 @@ namespace {
 constexpr int kRemovals = 20;
 constexpr std::chrono::milliseconds kRemovalPause{5};
 
-volatile std::sig_atomic_t eviction_asked = 0;  // the signal
-sem_t eviction_wake;                            // a handler may post it
+std::atomic<int> eviction_asked = 0;  // the signal
+static_assert(std::atomic<int>::is_always_lock_free, "a handler may write it");
+sem_t eviction_wake;  // a handler may post it
 
 extern "C" void note_eviction(int signal_number) {
   const int kept = errno;
@@ -28,18 +30,13 @@ extern "C" void note_eviction(int signal_number) {
 
 }  // namespace
 
-Eviction::Eviction(std::filesystem::path folder) : folders_{std::move(folder)} {
+Eviction::Eviction(std::filesystem::path folder) : folder_(std::move(folder)) {
   ::sem_init(&eviction_wake, 0, 0);
   watcher_ = std::thread([this] { watch(); });
   listen();
   for (const int number : {SIGINT, SIGHUP}) {
     if (std::signal(number, note_eviction) == SIG_IGN) std::signal(number, SIG_IGN);
   }
-}
-
-void Eviction::add_folder(std::filesystem::path folder) {
-  std::lock_guard lock(mutex_);
-  folders_.push_back(std::move(folder));
 }
 
 void Eviction::listen() const { std::signal(SIGTERM, note_eviction); }
@@ -50,17 +47,14 @@ Eviction::~Eviction() {
   watcher_.join();
 }
 
-void Eviction::watch() {
+void Eviction::watch() const {
   while (::sem_wait(&eviction_wake) != 0) {
   }
   if (eviction_asked == 0) return;
-  std::lock_guard lock(mutex_);
   std::error_code ignored;
-  for (const std::filesystem::path& folder : folders_) {
-    for (int i = 0; i < kRemovals && std::filesystem::exists(folder, ignored); ++i) {
-      if (i > 0) std::this_thread::sleep_for(kRemovalPause);
-      std::filesystem::remove_all(folder, ignored);
-    }
+  for (int i = 0; i < kRemovals && std::filesystem::exists(folder_, ignored); ++i) {
+    if (i > 0) std::this_thread::sleep_for(kRemovalPause);
+    std::filesystem::remove_all(folder_, ignored);
   }
   ::_exit(eviction_asked == SIGTERM ? kRetryExit : 128 + eviction_asked);
 }

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <mutex>
 #include <thread>
-#include <vector>
 
 namespace livegs {
 
@@ -12,29 +10,26 @@ namespace livegs {
 // the store was not reachable or the machine took the process away. EX_TEMPFAIL of sysexits.h.
 inline constexpr int kRetryExit = 75;
 
-// While it exists, SIGTERM removes the folders and ends the process at once with kRetryExit; SIGINT and
+// While it exists, SIGTERM removes the folder and ends the process at once with kRetryExit; SIGINT and
 // SIGHUP do so with 128 and their number, unless the process was started with them ignored. A command that
 // stores its state or its best result sets its own handlers instead. One at a time in a process, which may be
 // the first of a container: such a process ignores signals without a handler.
 class Eviction {
  public:
   explicit Eviction(std::filesystem::path folder);
-  // Does not return after SIGTERM: the exit code of the work, which may have missed its files, is not used.
+  // Does not return after a signal: the exit code of the work, which may have missed its files, is not used.
   ~Eviction();
-  // Removes this folder too. Any thread.
-  void add_folder(std::filesystem::path folder);
   // Makes SIGTERM end the process again, after a command had its own handler.
   void listen() const;
-  // Whether a signal arrived: files of the folders may be missing from then on.
+  // Whether a signal arrived: files of the folder may be missing from then on.
   bool asked() const;
   Eviction(const Eviction&) = delete;
   Eviction& operator=(const Eviction&) = delete;
 
  private:
-  void watch();
+  void watch() const;
 
-  std::mutex mutex_;  // guards folders_
-  std::vector<std::filesystem::path> folders_;
+  const std::filesystem::path folder_;
   std::thread watcher_;
 };
 

@@ -18,6 +18,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text/path_ending.h"
+#include "core/written_files.h"
 #include "gaussian/asset_name.h"
 #include "session/stored/publish_scene.h"
 
@@ -32,7 +33,7 @@ constexpr uint64_t kMaxStateBytes = uint64_t{16} << 30;
 // Patience while results are stored, s. A shorter outage of the store does not lose finished work.
 constexpr double kResultPatience_s = 600;
 // Options that do not change the bytes of the outputs.
-const std::set<std::string> kNoPartOfTheJob{"--checkpoints", "--metrics", "--resume", "--help"};
+const std::set<std::string> kNoPartOfTheJob{"--checkpoints", "--metrics", "--resume", "--every", "--help"};
 
 std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -59,6 +60,15 @@ Result<std::vector<fs::path>> files_below(const fs::path& path) {
   std::sort(files.begin(), files.end());
   return files;
 }
+
+constexpr const char* kSlots[2] = {".state0", ".state1"};  // endings of the objects of states
+
+std::string object_name(const std::string& key, const char* ending) {
+  return content_hash(std::as_bytes(std::span(key))) + ending;
+}
+
+// Absolute folder of a file.
+fs::path folder_of(const fs::path& file) { return fs::absolute(file).lexically_normal().parent_path(); }
 
 // The files of a folder, not of the folders below, sorted; none if it cannot be read.
 std::vector<fs::path> files_in(const fs::path& folder) {
@@ -145,13 +155,13 @@ Result<std::unique_ptr<Job>> Job::begin(const CLI::App& command, const JobOption
   for (const char* name : {"OPENAI_BASE_URL", "LIVEGS_MODEL"}) {  // defaults of options
     if (const char* value = std::getenv(name)) job->add_to_key(std::string(name) + "  " + value);
   }
+  job->files_key_ = job->key_text_ + "files\n";
   return job;
 }
 
 Job::~Job() {
   scenes_.clear();
   std::error_code ignored;
-  if (output_ != target_) fs::remove_all(output_, ignored);
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
@@ -179,7 +189,7 @@ Result<fs::path> Job::input(const fs::path& given) {
                                 "give its s3:// address with keys, or a public address");
       auto scene = StoredScene::fetch(text, "");
       if (!scene) return scene.error();
-      auto place = open_object(text);
+      auto place = open_object(text, {.patience_s = kResultPatience_s});  // to publish it again
       if (!place) return place.error();
       add_to_key(scene->list_hash());
       scenes_.push_back({*std::move(scene), std::move(place->store)});
@@ -210,8 +220,9 @@ Result<fs::path> Job::input(const fs::path& given) {
   if (auto added = add_file_to_key(is_asset_index(local) ? fs::absolute(local).parent_path() : local); !added)
     return added.error();
   // The values of an asset are an input of analyze: NAME.physics.json, those of one object, and their log.
-  const std::string stem = physics_file_path(local).stem().string() + ".";
-  const auto near = checkpoints_ ? files_in(fs::absolute(local).parent_path()) : std::vector<fs::path>{};
+  const fs::path values = physics_file_path(fs::absolute(local / "").lexically_normal().parent_path());
+  const std::string stem = values.stem().string() + ".";
+  const auto near = checkpoints_ ? files_in(values.parent_path()) : std::vector<fs::path>{};
   for (const fs::path& file : near) {
     if (!file.filename().string().starts_with(stem)) continue;
     if (auto added = add_file_to_key(file); !added) return added.error();
@@ -223,18 +234,9 @@ Result<void> Job::add_input_file(const fs::path& path) { return add_file_to_key(
 void Job::add_input_bytes(std::span<const std::byte> bytes) { add_to_key(content_hash(bytes)); }
 
 Result<fs::path> Job::output(const fs::path& given, JobOutput kind) {
-  output_ = target_ = given;
+  output_ = given;
   output_kind_ = kind;
-  if (!is_store_url(given.string())) {
-    if (!checkpoints_ || kind == JobOutput::File) return output_;
-    target_ = fs::absolute(given / ".").lexically_normal().parent_path();
-    output_ = target_.parent_path() / ("." + target_.filename().string() + ".job");
-    std::error_code ignored;
-    fs::remove_all(output_, ignored);  // of a run that was killed
-    eviction_->add_folder(output_);
-    show_path_as(output_, (given / "").lexically_normal().parent_path().string());
-    return output_;
-  }
+  if (!is_store_url(given.string())) return output_;
   std::string text = given.string();
   while (text.ends_with('/')) text.pop_back();
   if (kind == JobOutput::Folder && text.find('?') != std::string::npos)
@@ -246,22 +248,13 @@ Result<fs::path> Job::output(const fs::path& given, JobOutput kind) {
   place_ = *std::move(place);
   std::error_code failed;
   fs::create_directories(folder_ / "output", failed);
-  output_ = target_ = folder_ / "output" / place_->name.substr(0, place_->name.find('?'));
+  output_ = folder_ / "output" / place_->name.substr(0, place_->name.find('?'));
   const std::string shown = shown_url(text);
   show_path_as(output_.parent_path(), shown.substr(0, shown.rfind('/')));
   return output_;
 }
 
-std::string Job::name_of(const fs::path& output) const {
-  const bool staged = output_ != target_;
-  return (staged ? target_.filename() / output.lexically_relative(output_)
-                 : output.lexically_relative(output_.parent_path()))
-      .string();
-}
-
-std::string Job::object(const char* ending) const {
-  return content_hash(std::as_bytes(std::span(key_text_))) + ending;
-}
+std::string Job::object(const char* ending) const { return object_name(key_text_, ending); }
 
 Result<bool> Job::finished() {
   if (!checkpoints_) return false;
@@ -283,24 +276,26 @@ Result<bool> Job::finished() {
     words >> bytes >> hash >> std::ws;
     std::getline(words, name);
     if (place_ && place_->name.find('?') != std::string::npos) continue;  // presigned, for writing only
-    const auto there = place_ ? place_->store->hash(name) : hash_of_file(target_.parent_path() / name);
+    const auto there = place_ ? place_->store->hash(name) : hash_of_file(folder_of(output_) / name);
     if (!there && place_ && there.error().code != ErrorCode::NotFound) return there.error();
     if (!there || *there != hash) return false;
   }
   return found > 0;
 }
 
-Result<std::optional<std::vector<std::byte>>> Job::last_state() {
+Result<std::optional<std::vector<std::byte>>> Job::last_state() { return state_of(key_text_); }
+
+Result<std::optional<std::vector<std::byte>>> Job::state_of(const std::string& key) {
   std::optional<KeptState> newest;
   if (!checkpoints_) return std::optional<std::vector<std::byte>>();
   for (size_t slot = 0; slot < 2; ++slot) {
-    auto bytes = checkpoints_->get(object(slot == 0 ? ".state0" : ".state1"), kMaxStateBytes);
+    auto bytes = checkpoints_->get(object_name(key, kSlots[slot]), kMaxStateBytes);
     if (!bytes && bytes.error().code != ErrorCode::NotFound) return bytes.error();
     if (!bytes) continue;
     auto state = read_state(*std::move(bytes));
     if (!state) {
       log_warn("%s: is damaged; the state before it is used",
-               checkpoints_->shown(object(slot == 0 ? ".state0" : ".state1")).c_str());
+               checkpoints_->shown(object_name(key, kSlots[slot])).c_str());
       next_slot_ = newest ? slot : next_slot_;
       continue;
     }
@@ -309,37 +304,56 @@ Result<std::optional<std::vector<std::byte>>> Job::last_state() {
     newest = std::move(state);
   }
   if (!newest) return std::optional<std::vector<std::byte>>();
+  last_step_ = newest->step;
   log_info("continuing from the checkpoint of step %zu", newest->step);
   return std::optional<std::vector<std::byte>>(std::move(newest->bytes));
 }
 
 Result<void> Job::keep_state(size_t step, std::span<const std::byte> state) {
+  return put_state(key_text_, step, state);
+}
+
+Result<void> Job::put_state(const std::string& key, size_t step, std::span<const std::byte> state) {
   const std::string head = std::string(kStateHead) + std::to_string(step) + " " + content_hash(state) + "\n";
   std::vector<std::byte> object_bytes;
   object_bytes.reserve(head.size() + state.size());
   const auto head_bytes = std::as_bytes(std::span(head));
   object_bytes.insert(object_bytes.end(), head_bytes.begin(), head_bytes.end());
   object_bytes.insert(object_bytes.end(), state.begin(), state.end());
-  if (auto put = checkpoints_->put(object(next_slot_ == 0 ? ".state0" : ".state1"), object_bytes); !put)
-    return put;
+  if (auto put = checkpoints_->put(object_name(key, kSlots[next_slot_]), object_bytes); !put) return put;
   next_slot_ = 1 - next_slot_;
+  last_step_ = step;
   if (metrics_) metrics_->checkpoint_step = step;
   return {};
 }
 
+Result<bool> Job::begun_before() {
+  if (!checkpoints_ || place_) return false;
+  const auto noted = checkpoints_->size(object(".begun"));
+  if (!noted) return noted.error();
+  return noted->has_value();
+}
+
+Result<void> Job::note_begun() {
+  if (!checkpoints_ || place_) return {};
+  const std::string text = "begun\n";
+  return checkpoints_->put(object(".begun"), std::as_bytes(std::span(text)));
+}
+
 // For each file, a line with its size in bytes and its name, and then its bytes.
-Result<void> Job::keep_files(size_t step, const fs::path& folder) {
+Result<void> Job::keep_files(const fs::path& folder) {
   std::string all;
   for (const fs::path& file : files_in(folder)) {
+    if (!has_ending(file.string(), ".json")) continue;  // still being written
     const auto text = read_text_file(file, kMaxStateBytes);
     if (!text) return text.error();
     all += std::to_string(text->size()) + " " + file.filename().string() + "\n" + *text;
   }
-  return keep_state(step, std::as_bytes(std::span(all)));
+  return put_state(files_key_, last_step_ + 1, std::as_bytes(std::span(all)));
 }
 
 Result<void> Job::last_files(const fs::path& folder) {
-  const auto state = last_state();
+  const auto state = state_of(files_key_);
   if (!state) return state.error();
   std::error_code error;
   fs::create_directories(folder, error);
@@ -366,10 +380,20 @@ void Job::print(const std::string& text) {
 }
 
 Result<std::vector<fs::path>> Job::output_files() const {
-  if (output_.empty() || (!place_ && !checkpoints_)) return std::vector<fs::path>{};
   // A command may write files next to its output file, with its name and another ending. The temporary folder
   // has nothing else.
-  return files_below(place_ ? output_.parent_path() : output_);
+  if (place_) return files_below(output_.parent_path());
+  if (output_.empty() || !checkpoints_) return std::vector<fs::path>{};
+  if (output_kind_ == JobOutput::File) return std::vector<fs::path>{output_};
+  // Other files of a local folder are not outputs.
+  std::vector<fs::path> files = written_files();
+  const fs::path folder = folder_of(output_ / "file");
+  std::erase_if(files, [&](const fs::path& file) {
+    const fs::path inside = fs::absolute(file).lexically_normal().lexically_relative(folder);
+    return inside.empty() || *inside.begin() == "..";
+  });
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 Result<std::string> Job::store_outputs() {
@@ -379,7 +403,7 @@ Result<std::string> Job::store_outputs() {
   for (const fs::path& file : *files) {
     const auto hash = hash_of_file(file);
     if (!hash) return hash.error();
-    const std::string name = name_of(file);
+    const std::string name = fs::absolute(file).lexically_relative(folder_of(output_)).string();
     const bool presigned = place_ && place_->name.find('?') != std::string::npos;
     if (presigned && file != output_) {
       log_warn("%s: is not stored; a presigned address is for its own object only",
@@ -409,24 +433,6 @@ Result<void> Job::put_mark(const std::string& mark, const std::string& scene_lis
   return (*store)->put(content_hash(std::as_bytes(std::span(key))) + ".done", std::as_bytes(std::span(mark)));
 }
 
-Result<void> Job::place_outputs() {
-  if (output_ == target_) return {};
-  std::error_code error;
-  if (!fs::exists(output_, error)) return {};
-  fs::create_directories(target_.parent_path(), error);
-  fs::rename(output_, target_, error);  // over an empty folder too
-  if (!error) return {};
-  const auto files = files_below(output_);
-  if (!files) return files.error();
-  for (const fs::path& file : *files) {
-    const fs::path to = target_ / file.lexically_relative(output_);
-    fs::create_directories(to.parent_path(), error);
-    fs::rename(file, to, error);
-    if (error) return file_error(to, "cannot be written", error);
-  }
-  return {};
-}
-
 Result<void> Job::finish() {
   const auto outputs = store_outputs();
   if (!outputs) return outputs.error();
@@ -448,7 +454,7 @@ Result<void> Job::finish() {
   } else if (auto put = put_mark(mark, ""); !put) {
     return put;
   }
-  return place_outputs();
+  return {};
 }
 
 void Job::progress(size_t done, size_t total) {

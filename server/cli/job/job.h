@@ -34,13 +34,12 @@ enum class JobOutput { File, Folder };
 //   remove.
 // - Input: a file, a NAME.zip of a folder, or a NAME.scene.json of livegs publish. Fetched into the
 //   folder of the job.
-// - Output by address: written into the folder of the job and stored at the end. A local folder of a job with
-//   checkpoints: written next to it (.NAME.job) and moved there once the job is marked, so that a job that is
-//   killed in between finds no output and repeats the work.
+// - Output by address: written into the folder of the job and stored at the end.
+// - Beginning, in the checkpoints: files of a local output folder may be those of an earlier run, which was
+//   killed before its mark.
 // - State, in the checkpoints: two objects in turn, so that one of them is whole, each with its own hash.
 // - Mark, in the checkpoints: the hash and size of every output, or the printed text of a job without
-// outputs.
-//   A job whose outputs exist is done.
+//   outputs. A job whose outputs exist is done.
 //
 // State and mark belong to the bytes of the inputs, the options and the version: others are not used. The
 // mark of a command that changes its inputs (analyze --write) belongs to the changed bytes: only a scene of a
@@ -60,8 +59,9 @@ class Job {
   void add_input_bytes(std::span<const std::byte> bytes);
   // The local path to write. One call for a job, after the inputs.
   Result<std::filesystem::path> output(const std::filesystem::path& given, JobOutput kind);
-  // Where a local output will be at the end; the path to write if it is an address.
-  const std::filesystem::path& target() const { return target_; }
+  // Whether an earlier run of the job noted that it begins to write its output.
+  Result<bool> begun_before();
+  Result<void> note_begun();
 
   // Whether an earlier run has finished this job.
   Result<bool> finished();
@@ -70,13 +70,13 @@ class Job {
   Result<std::optional<std::vector<std::byte>>> last_state();
   // `step`: larger than that of the state before.
   Result<void> keep_state(size_t step, std::span<const std::byte> state);
-  // The same for the files of a folder without folders; last_files() writes them there.
-  Result<void> keep_files(size_t step, const std::filesystem::path& folder);
+  // The same for the .json files of a folder, for any content of the inputs; last_files() writes them there.
+  Result<void> keep_files(const std::filesystem::path& folder);
   Result<void> last_files(const std::filesystem::path& folder);
   // Prints to standard output. The text is kept in the mark of a job without outputs.
   void print(const std::string& text);
   const std::string& printed() const { return printed_; }
-  // Stores the outputs, the changed scene and the mark, and moves local outputs to their place.
+  // Stores the outputs, the changed scene and the mark.
   Result<void> finish();
 
   // SIGTERM ends the process at once again: there is no state to store any more.
@@ -92,10 +92,10 @@ class Job {
   Job() = default;
   void add_to_key(const std::string& text) { key_text_ += text + "\n"; }
   Result<void> add_file_to_key(const std::filesystem::path& path);
-  std::string object(const char* ending) const;                    // name in the checkpoints
-  Result<std::string> store_outputs();                             // returns the mark: a line for each
-  Result<void> place_outputs();                                    // moves staged ones to the target
-  std::string name_of(const std::filesystem::path& output) const;  // in the mark and in the store
+  std::string object(const char* ending) const;  // name in the checkpoints
+  Result<std::optional<std::vector<std::byte>>> state_of(const std::string& key);
+  Result<void> put_state(const std::string& key, size_t step, std::span<const std::byte> state);
+  Result<std::string> store_outputs();  // returns the mark: a line for each
   // `scene_list`: hash of the list of the changed scene; empty if the inputs did not change.
   Result<void> put_mark(const std::string& mark, const std::string& scene_list);
   Result<std::vector<std::filesystem::path>> output_files() const;
@@ -111,10 +111,11 @@ class Job {
   std::shared_ptr<ObjectStore> checkpoints_;
   std::string key_text_;
   std::string mark_place_, printed_;
-  std::filesystem::path output_, target_;  // local; where it is written, and where it belongs
+  std::string files_key_;         // of keep_files(): command, options and version
+  std::filesystem::path output_;  // local
   JobOutput output_kind_ = JobOutput::File;
   std::optional<ObjectPlace> place_;  // of the output, if it is an address
-  size_t next_slot_ = 0, inputs_ = 0;
+  size_t next_slot_ = 0, last_step_ = 0, inputs_ = 0;
   std::unique_ptr<JobMetrics> metrics_;
   bool unmarked_ = false, inputs_changed_ = false;
 };

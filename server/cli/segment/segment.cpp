@@ -26,7 +26,13 @@ struct SegmentCommand {
 int segment(SegmentCommand command, Job& job) {
   SegmentRequest& request = command.request;
   request.progress = [&job](double done) { job.progress(static_cast<size_t>(kSteps * done), kSteps); };
-  if (auto checked = check_segment_folder(job.target()); !checked) return report(checked.error());
+  // An earlier run of this job found the folder new and was killed before its mark.
+  const auto begun = job.begun_before();
+  if (!begun) return report_job(begun.error());
+  if (!*begun) {
+    if (auto checked = check_segment_folder(request.output); !checked) return report_job(checked.error());
+    if (auto noted = job.note_begun(); !noted) return report_job(noted.error());
+  }
   if (!request.masks.empty() && command.cameras.empty())
     return report(invalid_argument(
         "--masks: needs the cameras of the photos; add --cameras with their transforms.json"));

@@ -172,7 +172,8 @@ Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
   if (!world_from_asset) return world_from_asset.error();
 
   std::error_code error;
-  const fs::path scratch = folder.parent_path() / ("." + folder.filename().string() + ".part");
+  const bool is_new = !fs::exists(folder, error);
+  const fs::path scratch = folder / kUnfinishedFolder;
   fs::remove_all(scratch, error);
   fs::create_directories(scratch, error);
   if (error) return file_error(scratch, "cannot be created", error);
@@ -196,17 +197,17 @@ Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
     return write_file_atomically(scratch / "README.md", page_text(room));
   };
   auto written = write_all();
-  if (written) {
-    fs::remove(folder, error);  // an empty folder
-    fs::rename(scratch, folder, error);
-    if (error) written = file_error(folder, "cannot be written", error);
+  std::vector<fs::path> names;
+  for (const auto& file : fs::directory_iterator(scratch, error)) names.push_back(file.path().filename());
+  for (const fs::path& name : names) {
+    if (!written) break;
+    fs::rename(scratch / name, folder / name, error);
+    if (error) written = file_error(folder / name, "cannot be written", error);
+    if (written) note_written(folder / name);
   }
-  if (!written) {
-    fs::remove_all(scratch, error);
-    return written;
-  }
-  for (const auto& file : fs::directory_iterator(folder, error)) note_written(file.path());
-  return {};
+  fs::remove_all(scratch, error);
+  if (!written && is_new) fs::remove(folder, error);  // if it is empty
+  return written;
 }
 
 }  // namespace livegs

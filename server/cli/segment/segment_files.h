@@ -28,9 +28,11 @@ struct SegmentedRoom {
   double scale = 1.0;   // metres per unit of the asset
 };
 
-// Writes NAME.ply for each thing, room.ply, room.scene.json, labels.u16 and README.md with pictures. All
-// files appear together: they are first written to a folder next to `folder`. Precondition: `folder` does not
-// exist, or is empty.
+// The folder in the output folder in which the files are written first. A run that was killed leaves it.
+inline constexpr const char* kUnfinishedFolder = ".part";
+
+// Writes NAME.ply for each thing, room.ply, room.scene.json, labels.u16 and README.md with pictures. Files of
+// the same names are replaced. After an error, nothing is written.
 Result<void> write_segmented_room(const std::filesystem::path& folder, SegmentedRoom room);
 
 }  // namespace livegs

@@ -117,13 +117,14 @@ double part_done(std::string_view step, double fraction) {
 Result<void> check_segment_folder(const fs::path& output) {
   if (auto checked = check_output_folder(output); !checked) return checked;
   std::error_code error;
-  if (fs::exists(output, error) && !fs::is_empty(output, error))
-    return invalid_argument(output.string() + ": exists and is not empty; give a new folder");
+  for (fs::directory_iterator at(output, error), end; at != end; at.increment(error)) {
+    if (at->path().filename() != kUnfinishedFolder)
+      return invalid_argument(output.string() + ": exists and is not empty; give a new folder");
+  }
   return {};
 }
 
 Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& request) {
-  if (auto checked = check_segment_folder(request.output); !checked) return checked.error();
   SegmentedRoom room;
   PartsOptions options;
   for (const CapturedView& view : request.cameras) options.cameras.push_back(view.camera);

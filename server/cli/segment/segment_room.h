@@ -28,7 +28,7 @@ struct SegmentRequest {
   std::string up;                     // axis of the asset, as in a scene file; empty: of the cameras, else -y
   double scale = 1.0;                 // metres per unit of the asset
   std::optional<KnownLength> known;   // instead of `scale`
-  std::filesystem::path output;       // new or empty folder
+  std::filesystem::path output;  // a folder, see check_segment_folder(); files of the same names are replaced
   // Called after each view and each step of the work with the part that is done, 0 to 1; may be empty.
   std::function<void(double done)> progress;
 };

@@ -14,6 +14,9 @@ struct Head {
   uint64_t points = 0, positions = 0;
 };
 constexpr size_t kPositionBytes = 3 * sizeof(float);
+// Largest sum of the results, bytes; later ones are not kept. Larger: more memory and traffic; smaller: long
+// fits repeat their last simulations.
+constexpr size_t kMaxBytes = size_t{1} << 30;
 
 }  // namespace
 
@@ -31,12 +34,15 @@ std::optional<PointPaths> SimulationJournal::find(const std::string& key) const 
 
 void SimulationJournal::add(const std::string& key, const PointPaths& paths) {
   std::lock_guard lock(mutex_);
-  results_.emplace(key, paths);
+  const size_t size = sizeof(Head) + key.size() + kPositionBytes * paths.positions_m.size();
+  if (paths.ticks() == 0 || bytes_ + size > kMaxBytes) return;
+  if (results_.emplace(key, paths).second) bytes_ += size;
 }
 
 std::vector<std::byte> SimulationJournal::bytes() const {
   std::lock_guard lock(mutex_);
   std::vector<std::byte> all;
+  all.reserve(bytes_);
   const auto append = [&](const void* data, size_t size) {
     const auto* begin = static_cast<const std::byte*>(data);
     all.insert(all.end(), begin, begin + size);
@@ -53,12 +59,13 @@ std::vector<std::byte> SimulationJournal::bytes() const {
 Result<void> SimulationJournal::read(std::span<const std::byte> bytes) {
   std::map<std::string, PointPaths> results;
   while (!bytes.empty()) {
-    const Error damaged = invalid_data("checkpoint: is damaged; remove it and run again");
+    const Error damaged = invalid_data("checkpoint: is damaged; the fit begins again");
     Head head;
     if (bytes.size() < sizeof head) return damaged;
     std::memcpy(&head, bytes.data(), sizeof head);
     bytes = bytes.subspan(sizeof head);
-    if (head.key_bytes > bytes.size() || head.positions > (bytes.size() - head.key_bytes) / kPositionBytes)
+    if (head.key_bytes > bytes.size() || head.positions > (bytes.size() - head.key_bytes) / kPositionBytes ||
+        head.points == 0 || head.positions == 0 || head.positions % head.points != 0 || !(head.rate_hz > 0))
       return damaged;
     const std::string key(reinterpret_cast<const char*>(bytes.data()), head.key_bytes);
     bytes = bytes.subspan(head.key_bytes);
@@ -70,8 +77,7 @@ Result<void> SimulationJournal::read(std::span<const std::byte> bytes) {
     bytes = bytes.subspan(kPositionBytes * head.positions);
     results.emplace(key, std::move(paths));
   }
-  std::lock_guard lock(mutex_);
-  results_.merge(results);
+  for (const auto& [key, paths] : results) add(key, paths);
   return {};
 }
 

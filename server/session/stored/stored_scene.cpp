@@ -87,12 +87,22 @@ Result<void> check_paths(const fs::path& path, const std::string& shown) {
 
 Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, const fs::path& folder,
                         std::stop_token stop) {
-  const fs::path path = folder / file.path(), part = path.string() + ".part";
+  const fs::path path = folder / file.path();
   std::error_code failed;
   fs::create_directories(path.parent_path(), failed);
   if (failed)
     return Error{ErrorCode::Internal, path.parent_path().string() + ": cannot be created: " +
                                           failed.message() + "; set TMPDIR to another folder"};
+  // Hidden and unique: the folder may be the user's, and another server may fetch the same file.
+  const fs::path part =
+      path.parent_path() / ("." + file.sha256() + "." + std::to_string(::getpid()) + ".part");
+  const struct Remove {
+    const fs::path& path;
+    ~Remove() {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+    }
+  } remove_at_end{part};
   for (int attempt = 0; attempt < kFetches; ++attempt) {
     const auto hash = store.read_to_file(file.sha256(), part, stop);
     if (!hash) return Error{hash.error().code, file.path() + ": " + hash.error().message};

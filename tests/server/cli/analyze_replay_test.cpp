@@ -100,8 +100,12 @@ TEST(AnalyzeReplay, AKilledJobKeepsItsAnswers) {
                                           "made-up",    "--checkpoints",   state};
   Program killed(words);
   std::error_code ignored;
-  for (int i = 0; i < 3000 && (!fs::exists(state, ignored) || fs::is_empty(state, ignored)); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const auto is_kept = [&] {
+    for (fs::directory_iterator at(state, ignored), end; at != end; at.increment(ignored))
+      if (at->path().extension() == ".state0") return true;
+    return false;
+  };
+  for (int i = 0; i < 3000 && !is_kept(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   killed.send(SIGKILL);
   EXPECT_EQ(killed.wait(), 128 + SIGKILL) << killed.err();
   silent = false;

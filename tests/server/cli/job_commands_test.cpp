@@ -123,14 +123,12 @@ class JobCommands : public ::testing::Test {
     expect_done(words);
     reset(before);
     std::mt19937 random(7);
-    continued_ = 0;
     for (int killed = 0, runs = 0; killed < kKills; ++runs) {
       ASSERT_LT(runs, 100);
       Program job(words);
       std::this_thread::sleep_for(length * std::uniform_real_distribution<double>(0.0, 1.0)(random));
       job.send(SIGKILL);
       const int code = job.wait();
-      continued_ += job.err().find("continuing from the checkpoint of step ") != std::string::npos;
       ASSERT_TRUE(code == 128 + SIGKILL || code == 0) << code << job.err();
       killed += code == 128 + SIGKILL;
       if (code == 0) {  // it ended before the kill: from the begin again
@@ -171,7 +169,6 @@ class JobCommands : public ::testing::Test {
   }
   ScratchFolder folder_;
   ObjectStoreMock mock_;
-  int continued_ = 0;  // runs among those that were killed
 };
 
 TEST_F(JobCommands, AKilledSegmentationEndsWithTheSameBytes) {
@@ -217,10 +214,27 @@ TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
                      "pose": { "position_m": [3, 0.1, 0] },
                      "physics": { "behavior": "STATIC" } }, )");
   publish(folder_.write("block.scene.json", scene), "in");
-  expect_same_bytes_after_kills(marked({"fit", at("in/block.scene.json"), "--tracks", at("in/paths.csv"),
-                                        "--camera", at("in/camera.json"), "--find", "block=youngs_modulus_pa",
-                                        "-o", at("out/fit"), "--every", "0"}));
-  EXPECT_GT(continued_, 2);
+  const Words words = marked({"fit", at("in/block.scene.json"), "--tracks", at("in/paths.csv"), "--camera",
+                              at("in/camera.json"), "--find", "block=youngs_modulus_pa", "-o", at("out/fit"),
+                              "--every", "0"});
+  expect_same_bytes_after_kills(words);
+  // Killed after its first state, it continues there.
+  const auto whole = JobCommands::objects();
+  mock_.remove_below("out/");
+  mock_.remove_below("state/");
+  std::promise<pid_t> process;
+  mock_.set_fault([&, id = process.get_future().share()](const SeenRequest& request, int) {
+    if (request.method == "PUT" && request.path.ends_with(".state0")) ::kill(id.get(), SIGKILL);
+    return std::optional<Reply>();
+  });
+  Program killed(words);
+  process.set_value(killed.process());
+  EXPECT_EQ(killed.wait(), 128 + SIGKILL) << killed.err();
+  mock_.set_fault({});
+  Program next(words);
+  ASSERT_EQ(next.wait(), 0) << next.err();
+  EXPECT_NE(next.err().find("continuing from the checkpoint of step "), std::string::npos) << next.err();
+  EXPECT_EQ(others_than(whole), "");
   EXPECT_NE(mock_.get("out/fit/fitted.scene.json").find("\"cup.csv\""), std::string::npos)
       << mock_.get("out/fit/fitted.scene.json");
 }
@@ -301,35 +315,39 @@ TEST_F(JobCommands, AChangedInputIsFetchedFromItsBeginning) {
   EXPECT_NE(mock_.get("out/first/room.ply"), "");
 }
 
-// A local folder is moved to its place after its mark is stored: a job that is killed in between repeats the
-// work, and a folder of other files is not an output.
+// A job that is killed between its output and its mark replaces its output; a folder of other files is
+// refused.
 TEST_F(JobCommands, AKilledSegmentationIntoAFolderEndsWithTheSameBytes) {
   store_room();
   const Words words =
       marked({"segment", at("in/room.ply"), "--cameras", at("in/transforms.json"), "-o", folder_ / "things"});
   std::promise<pid_t> process;
   mock_.set_fault([&, id = process.get_future().share()](const SeenRequest& request, int) {
-    if (request.method == "PUT") ::kill(id.get(), SIGKILL);
+    if (request.method == "PUT" && request.path.ends_with(".done")) ::kill(id.get(), SIGKILL);
     return std::optional<Reply>();
   });
   Program killed(words);
   process.set_value(killed.process());
   EXPECT_EQ(killed.wait(), 128 + SIGKILL) << killed.err();
   mock_.set_fault({});
-  EXPECT_FALSE(fs::exists(folder_ / "things"));
+  EXPECT_TRUE(fs::exists(folder_ / "things/room.scene.json"));
+  for (const std::string& name : mock_.names()) {  // the store kept the mark
+    if (name.ends_with(".done")) mock_.remove_below(name);
+  }
   Program next(words);
   ASSERT_EQ(next.wait(), 0) << next.err();
   EXPECT_NE(next.out().find(folder_ / "things/room.scene.json"), std::string::npos) << next.out();
   EXPECT_TRUE(fs::exists(folder_ / "things/room.scene.json"));
-  EXPECT_FALSE(fs::exists(folder_ / ".things.job"));
+  EXPECT_FALSE(fs::exists(folder_ / "things/.part"));
   expect_done(words);
-  folder_.write("things/room.scene.json", "{}");
-  Program refused(words);
+  Words other = words;
+  other.insert(other.end(), {"--scale", "2"});
+  Program refused(other);
   EXPECT_EQ(refused.wait(), 2);
   EXPECT_NE(refused.err().find("things: exists and is not empty"), std::string::npos) << refused.err();
 }
 
-// The files of an asset's index and the log of its values are inputs too.
+// The values next to an asset and their log are inputs too.
 TEST_F(JobCommands, FilesNextToAnInputBelongToTheJob) {
   MadeRoomOptions options;
   options.spacing_m = kSpacing_m;

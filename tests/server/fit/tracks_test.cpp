@@ -112,7 +112,10 @@ TEST(SimulationJournal, KeepsPathsAndRefusesDamagedBytes) {
   paths.positions_m = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {0.1f, 0.2f, 0.3f}};
   SimulationJournal journal;
   journal.add("first", paths);
-  journal.add("second", PointPaths{});
+  journal.add("empty", PointPaths{});
+  paths.points = 4;
+  journal.add("second", paths);
+  paths.points = 2;
   const auto bytes = journal.bytes();
   SimulationJournal other;
   ASSERT_TRUE(other.read(bytes));
