@@ -64,8 +64,11 @@ int train(TrainCommand options, Job& job) {
   }
   const std::string output = with_shown_paths(options.run.output.string());
   if (outcome->interrupted) {
-    std::printf("%s: stopped at step %zu of %zu; the same command with --resume continues\n", output.c_str(),
-                outcome->steps, options.run.train.steps);
+    const char* next = job.keeps_state()                       ? "; the same command continues"
+                       : output == options.run.output.string() ? "; the same command with --resume continues"
+                                                               : "";
+    std::printf("%s: stopped at step %zu of %zu%s\n", output.c_str(), outcome->steps, options.run.train.steps,
+                next);
     return kInterruptedExit;
   }
   std::printf("%s: %zu kernels, %.2f dB and SSIM %.3f on %zu held-out photos\n", output.c_str(),

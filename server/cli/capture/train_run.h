@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <filesystem>
 #include <string>
 
@@ -32,9 +31,6 @@ struct TrainOutcome {
   bool interrupted = false;  // by Ctrl-C; the output is then the best splat so far
   bool evicted = false;      // by SIGTERM; there is no output, and the job keeps the state
 };
-
-// Exit code of a run that Ctrl-C interrupted, as a shell reports it.
-inline constexpr int kInterruptedExit = 128 + SIGINT;
 
 // Adds --steps, --kernels, --size and --device; the values of `run` are the defaults.
 void add_train_options(CLI::App& command, TrainRun& run);

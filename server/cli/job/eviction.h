@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <thread>
 
@@ -9,6 +10,8 @@ namespace livegs {
 // Exit codes of a job in addition to those of a command (cli/commands.h): a repetition may succeed, because
 // the store was not reachable or the machine took the process away. EX_TEMPFAIL of sysexits.h.
 inline constexpr int kRetryExit = 75;
+// A command that SIGINT ended early, with its best result so far.
+inline constexpr int kInterruptedExit = 128 + SIGINT;
 
 // While it exists, SIGTERM removes the folder and ends the process at once with kRetryExit; SIGINT and
 // SIGHUP do so with 128 and their number, unless the process was started with them ignored. A command that

@@ -489,9 +489,11 @@ int run_as_job(const CLI::App& command, const JobOptions& options, std::vector<f
     std::fprintf(stderr, "%s: is done already\n", shown.c_str());
     return 0;
   }
-  if (const int code = run(**job); code != 0) return code;
+  const int code = run(**job);
+  if (code == kInterruptedExit) (*job)->leave_unmarked();  // the best result so far is stored
+  if (code != 0 && code != kInterruptedExit) return code;
   if (auto stored = (*job)->finish(); !stored) return report_job(stored.error());
-  return 0;
+  return code;
 }
 
 }  // namespace livegs

@@ -119,6 +119,16 @@ TEST_F(Jobs, AnEvictedTrainingKeepsItsStateAndContinues) {
   EXPECT_EQ(next.wait(), kRetryExitCode);
 }
 
+TEST_F(Jobs, AnInterruptedTrainingStoresItsSplat) {
+  Program interrupted(words("100000"));
+  ASSERT_TRUE(interrupted.says_often(" held-out photos, ", 2)) << interrupted.err();
+  interrupted.send(SIGINT);
+  EXPECT_EQ(interrupted.wait(), 128 + SIGINT) << interrupted.err();
+  EXPECT_NE(interrupted.out().find("; the same command continues"), std::string::npos) << interrupted.out();
+  EXPECT_NE(mock_.get("out/room.ply"), "");
+  for (const std::string& name : mock_.names()) EXPECT_FALSE(name.ends_with(".done")) << name;
+}
+
 // The mark has the hash of each output: another object of the same size is not the output.
 TEST_F(Jobs, AnotherObjectInItsPlaceIsNotTheOutput) {
   Program first(words());
