@@ -365,8 +365,10 @@ Result<void> Job::last_files(const fs::path& folder) {
     size_t size = 0;
     std::string name;
     if (end == std::string::npos || !(head >> size >> name) || fs::path(name).has_parent_path() ||
-        size > all.size() - end - 1)
-      return invalid_data("checkpoint: is damaged; remove it and run again");
+        size > all.size() - end - 1) {
+      log_warn("checkpoint: is damaged; its further files are not used");
+      return {};
+    }
     if (auto written = write_file_atomically(folder / name, all.substr(end + 1, size)); !written)
       return written;
     begin = end + 1 + size;
@@ -403,7 +405,8 @@ Result<std::string> Job::store_outputs() {
   for (const fs::path& file : *files) {
     const auto hash = hash_of_file(file);
     if (!hash) return hash.error();
-    const std::string name = fs::absolute(file).lexically_relative(folder_of(output_)).string();
+    const std::string name =
+        fs::absolute(file).lexically_normal().lexically_relative(folder_of(output_)).string();
     const bool presigned = place_ && place_->name.find('?') != std::string::npos;
     if (presigned && file != output_) {
       log_warn("%s: is not stored; a presigned address is for its own object only",

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <future>
 #include <map>
 #include <random>
@@ -141,6 +142,20 @@ class JobCommands : public ::testing::Test {
     EXPECT_EQ(others_than(after), "");
     expect_done(words);
   }
+  // Runs the job and kills it at the PUT that `at` chooses. The store keeps the object. Returns the exit
+  // code.
+  int run_and_kill(const Words& words, const std::function<bool(const SeenRequest& put)>& at) {
+    std::promise<pid_t> process;
+    mock_.set_fault([&, id = process.get_future().share()](const SeenRequest& request, int) {
+      if (request.method == "PUT" && at(request)) ::kill(id.get(), SIGKILL);
+      return std::optional<Reply>();
+    });
+    Program job(words);
+    process.set_value(job.process());
+    const int code = job.wait();
+    mock_.set_fault({});
+    return code;
+  }
   // As above, with a kill at each write: the store keeps the object, and the job never sees the reply.
   void expect_same_bytes_after_a_kill_at_each_write(const Words& words) {
     const auto before = objects();
@@ -150,16 +165,8 @@ class JobCommands : public ::testing::Test {
     reset(before);
     for (int write = 0, code = 128 + SIGKILL; code != 0; ++write) {
       std::atomic<int> seen = 0;
-      std::promise<pid_t> process;
-      mock_.set_fault([&, id = process.get_future().share()](const SeenRequest& request, int) {
-        if (request.method == "PUT" && seen++ == write) ::kill(id.get(), SIGKILL);
-        return std::optional<Reply>();
-      });
-      Program job(words);
-      process.set_value(job.process());
-      code = job.wait();
-      mock_.set_fault({});
-      ASSERT_TRUE(code == 128 + SIGKILL || code == 0) << code << job.err();
+      code = run_and_kill(words, [&](const SeenRequest&) { return seen++ == write; });
+      ASSERT_TRUE(code == 128 + SIGKILL || code == 0) << code;
       if (code == 0) EXPECT_GT(write, 2);
       Program next(words);
       ASSERT_EQ(next.wait(), 0) << next.err();
@@ -222,15 +229,8 @@ TEST_F(JobCommands, AKilledFitEndsWithTheSameBytes) {
   const auto whole = JobCommands::objects();
   mock_.remove_below("out/");
   mock_.remove_below("state/");
-  std::promise<pid_t> process;
-  mock_.set_fault([&, id = process.get_future().share()](const SeenRequest& request, int) {
-    if (request.method == "PUT" && request.path.ends_with(".state0")) ::kill(id.get(), SIGKILL);
-    return std::optional<Reply>();
-  });
-  Program killed(words);
-  process.set_value(killed.process());
-  EXPECT_EQ(killed.wait(), 128 + SIGKILL) << killed.err();
-  mock_.set_fault({});
+  EXPECT_EQ(run_and_kill(words, [](const SeenRequest& put) { return put.path.ends_with(".state0"); }),
+            128 + SIGKILL);
   Program next(words);
   ASSERT_EQ(next.wait(), 0) << next.err();
   EXPECT_NE(next.err().find("continuing from the checkpoint of step "), std::string::npos) << next.err();
@@ -321,15 +321,8 @@ TEST_F(JobCommands, AKilledSegmentationIntoAFolderEndsWithTheSameBytes) {
   store_room();
   const Words words =
       marked({"segment", at("in/room.ply"), "--cameras", at("in/transforms.json"), "-o", folder_ / "things"});
-  std::promise<pid_t> process;
-  mock_.set_fault([&, id = process.get_future().share()](const SeenRequest& request, int) {
-    if (request.method == "PUT" && request.path.ends_with(".done")) ::kill(id.get(), SIGKILL);
-    return std::optional<Reply>();
-  });
-  Program killed(words);
-  process.set_value(killed.process());
-  EXPECT_EQ(killed.wait(), 128 + SIGKILL) << killed.err();
-  mock_.set_fault({});
+  EXPECT_EQ(run_and_kill(words, [](const SeenRequest& put) { return put.path.ends_with(".done"); }),
+            128 + SIGKILL);
   EXPECT_TRUE(fs::exists(folder_ / "things/room.scene.json"));
   for (const std::string& name : mock_.names()) {  // the store kept the mark
     if (name.ends_with(".done")) mock_.remove_below(name);
