@@ -494,12 +494,13 @@ Result<std::string> ObjectStore::hash(const std::string& name, std::stop_token s
   return hasher.hash();
 }
 
-Result<std::vector<std::byte>> ObjectStore::get_by_hash(const std::string& hash, std::uint64_t max_bytes,
-                                                        std::stop_token stop) {
+Result<void> ObjectStore::read_to_file_by_hash(const std::string& hash, const fs::path& path,
+                                               std::stop_token stop) {
   constexpr int kAttempts = 2;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    auto bytes = get(hash, max_bytes, stop);
-    if (!bytes || content_hash(*bytes) == hash) return bytes;
+    const auto read = read_to_file(hash, path, stop);
+    if (!read) return read.error();
+    if (*read == hash) return {};
   }
   return invalid_data(shown(hash) +
                       ": its bytes have another hash; remove the object and publish the scene again");

@@ -17,7 +17,7 @@
 
 namespace livegs {
 
-// Default limit of get() and get_by_hash(), bytes. Larger: one object may occupy more memory.
+// Default limit of get(), bytes. Larger: one object may occupy more memory.
 inline constexpr std::uint64_t kMaxObjectBytes = std::uint64_t{4} << 30;
 
 // Limits of one call, seconds.
@@ -81,14 +81,14 @@ class ObjectStore {
   // The whole object. TooLarge above `max_bytes`.
   Result<std::vector<std::byte>> get(const std::string& name, std::uint64_t max_bytes = kMaxObjectBytes,
                                      std::stop_token stop = {});
-  // The object whose name is the SHA-256 of its bytes. InvalidData if the hash differs in two attempts.
-  Result<std::vector<std::byte>> get_by_hash(const std::string& hash,
-                                             std::uint64_t max_bytes = kMaxObjectBytes,
-                                             std::stop_token stop = {});
   // Writes an object to a file, also to the disk, and returns its SHA-256. After an error, the file may be
   // incomplete. Internal if it cannot be written.
   Result<std::string> read_to_file(const std::string& name, const std::filesystem::path& path,
                                    std::stop_token stop = {});
+  // The same for an object whose name is the SHA-256 of its bytes. InvalidData if the hash differs in two
+  // attempts.
+  Result<void> read_to_file_by_hash(const std::string& hash, const std::filesystem::path& path,
+                                    std::stop_token stop = {});
   // SHA-256 of an object; its bytes are not kept.
   Result<std::string> hash(const std::string& name, std::stop_token stop = {});
   std::string shown(const std::string& name) const;  // for messages

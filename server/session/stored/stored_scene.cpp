@@ -24,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxListBytes = 64 << 20;
-constexpr int kFetches = 2;  // of a file, until its bytes have their hash
 
 std::string without_scene_ending(std::string name) {
   constexpr std::string_view kEnding = ".scene.json";
@@ -103,16 +102,11 @@ Result<void> fetch_file(ObjectStore& store, const v1::StoredScene::File& file, c
       fs::remove(path, ignored);
     }
   } remove_at_end{part};
-  for (int attempt = 0; attempt < kFetches; ++attempt) {
-    const auto hash = store.read_to_file(file.sha256(), part, stop);
-    if (!hash) return Error{hash.error().code, file.path() + ": " + hash.error().message};
-    if (*hash != file.sha256()) continue;
-    fs::rename(part, path, failed);
-    if (!failed) return {};
-    return file_error(path, "cannot be written", failed);
-  }
-  return invalid_data(file.path() + ": " + store.shown(file.sha256()) +
-                      ": its bytes have another hash; remove the object and publish the scene again");
+  if (auto read = store.read_to_file_by_hash(file.sha256(), part, stop); !read)
+    return Error{read.error().code, file.path() + ": " + read.error().message};
+  fs::rename(part, path, failed);
+  if (failed) return file_error(path, "cannot be written", failed);
+  return {};
 }
 
 }  // namespace

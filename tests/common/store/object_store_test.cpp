@@ -10,6 +10,7 @@
 
 #include "core/clock.h"
 #include "core/content_hash.h"
+#include "core/file.h"
 #include "object_store_mock.h"
 #include "scratch_folder.h"
 
@@ -226,17 +227,21 @@ TEST(ObjectStore, RefusesOtherBytesThanTheHash) {
   const std::string good = some_bytes(5'000), hash = hash_of(good);
   mock.set(hash, good);
   const auto store = opened(mock.url());
-  EXPECT_EQ(text_of(store->get_by_hash(hash).value()), good);
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "file";
+  ASSERT_TRUE(store->read_to_file_by_hash(hash, file));
+  EXPECT_EQ(read_text_file(file).value(), good);
   mock.set_fault([&](const SeenRequest&, int index) -> std::optional<Reply> {  // a damaged copy, once
     Reply reply;
     reply.body = some_bytes(4'000);
     if (index > 0) return std::nullopt;
     return reply;
   });
-  EXPECT_EQ(text_of(store->get_by_hash(hash).value()), good);
+  ASSERT_TRUE(store->read_to_file_by_hash(hash, file));
+  EXPECT_EQ(read_text_file(file).value(), good);
   mock.set_fault({});
   mock.set(hash, good.substr(1));
-  const auto refused = store->get_by_hash(hash);
+  const auto refused = store->read_to_file_by_hash(hash, file);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::InvalidData);
 }
