@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "core/written_files.h"
+#include "study/chart/ablation_chart.h"
 #include "study/chart/chart_figure.h"
 #include "study/chart/chart_page.h"
 #include "study/chart/rigid_chart.h"
@@ -20,9 +21,42 @@ namespace {
 
 struct ChartCommand {
   std::filesystem::path output = "out/chart";
-  std::string only;
+  std::string only, without;
   bool quick = false;
 };
+
+constexpr const char* kAblation = "ablation";
+
+// Writes ablation.csv, ablation.md and ablation.svg.
+int run_ablation_chart(const ChartCommand& options) {
+  set_thread_count(1);
+  const int64_t start_ns = now_ns();
+  int64_t reported_ns = start_ns;
+  std::optional<Mechanism> only;
+  for (const study::MechanismText& text : study::all_mechanisms()) {
+    if (options.without == text.name) only = text.mechanism;
+  }
+  const auto pairs =
+      study::run_ablation(only, [&](size_t done, size_t of, const std::string& scene, const char* without) {
+        if (now_ns() - reported_ns < 2'000'000'000) return;
+        reported_ns = now_ns();
+        std::fprintf(stderr, "%3zu %%  %zu of %zu pairs of runs, %.0f s; %s without %s\n", 100 * done / of,
+                     done, of, seconds_from_ns(reported_ns - start_ns), scene.c_str(), without);
+      });
+  const auto effects = study::effects_of(pairs);
+  for (const auto& [name, text] : {std::pair{"ablation.csv", study::ablation_csv(effects)},
+                                   std::pair{"ablation.md", study::ablation_page(effects, LIVEGS_VERSION)}}) {
+    if (auto written = write_file_atomically(options.output / name, text); !written)
+      return report(written.error());
+    note_written(options.output / name);
+  }
+  const std::filesystem::path svg = options.output / "ablation.svg";
+  if (auto drawn = study::draw_ablation(effects, svg); !drawn) return report(drawn.error());
+  note_written(svg);
+  std::fputs(written_files_text().c_str(), stdout);
+  std::printf("%zu pairs of runs in %.0f s\n", pairs.size(), seconds_from_ns(now_ns() - start_ns));
+  return 0;
+}
 
 int run(const ChartCommand& options) {
   if (auto checked = check_output_folder(options.output); !checked) return report(checked.error());
@@ -34,6 +68,7 @@ int run(const ChartCommand& options) {
   }
   // Warnings are suppressed: the study runs solvers beyond their limits on purpose.
   set_log_level(LogLevel::Error);
+  if (options.only == kAblation) return run_ablation_chart(options);
   const int64_t start_ns = now_ns();
   int64_t reported_ns = start_ns;
   const auto progress = [&](size_t done, size_t of, const study::PlannedRun& run) {
@@ -98,10 +133,19 @@ void add_chart(CLI::App& app, int& exit_code) {
   std::vector<std::string> names;
   for (const study::ChartScene& scene : study::chart_scenes()) names.push_back(scene.name);
   for (const study::RigidChartScene& scene : study::rigid_chart_scenes()) names.push_back(scene.name);
-  command->add_option("--output,-o", options->output, "Folder for chart.csv, chart.md and one SVG per scene")
+  names.emplace_back(kAblation);
+  command->add_option("--output,-o", options->output, "Folder for the CSV, the page and the pictures")
       ->type_name("FOLDER")
       ->capture_default_str();
-  command->add_option("--only", options->only, "Run this scene only")->check(CLI::IsMember(names));
+  command
+      ->add_option("--only", options->only,
+                   "Run this scene only; ablation: instead of the curves, disable each "
+                   "mechanism of the solvers in turn")
+      ->check(CLI::IsMember(names));
+  std::vector<std::string> mechanisms;
+  for (const study::MechanismText& text : study::all_mechanisms()) mechanisms.emplace_back(text.name);
+  command->add_option("--without", options->without, "With --only ablation: disable this mechanism only")
+      ->check(CLI::IsMember(mechanisms));
   command->add_flag("--quick", options->quick, "Short run: few substeps, one cell width, soft bodies");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -1,22 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdlib>
-#include <string_view>
+#include <cstdint>
 
-// Mechanisms of the solvers that can be disabled one at a time, which shows the purpose of each and what it
-// costs (tests/bench/ablation, which finds their names in the sources). Only in a build with LIVEGS_ABLATION,
-// by the environment variable LIVEGS_WITHOUT; otherwise nothing is left out, at no cost.
+// Mechanisms of the solvers that stabilise, limit, fade or save time, beyond the equations themselves. One at
+// a time can be disabled, which shows what it is for and what it costs (study/chart/ablation_chart.h).
 
 namespace livegs {
 
-#ifdef LIVEGS_ABLATION
-inline bool without(std::string_view mechanism) {
-  static const char* const named = std::getenv("LIVEGS_WITHOUT");
-  return named != nullptr && mechanism == named;
-}
-#else
-constexpr bool without(std::string_view) { return false; }
-#endif
+enum class Mechanism : uint8_t {
+  None,
+  // elastic
+  AlternatingSweep,
+  CentrifugalCorrection,
+  ColliderSide,
+  ContactLag,
+  ContactWarmStart,
+  CurvedPatches,
+  DriftTest,
+  EnergyLimiter,
+  FirstOrderWhenSlow,
+  FirstOrderWhenStrained,
+  FlowEnergyCheck,
+  GripFade,
+  ImpactSteps,
+  LightNodeDamping,
+  LightNodeMass,
+  LoadedDamping,
+  MaterialInertia,
+  RigidWhenUnstrained,
+  RollingResistance,
+  ShapeRecovery,
+  StuckContacts,
+  // rigid
+  BodyCores,
+  CoincidentShapes,
+  DeepOverlaps,
+  DetectionsBySpeed,
+  FractureRecoil,
+  JointEnergyLimit,
+  ReusedManifolds,
+  StepsByLoad,
+};
+
+// The disabled mechanism of this process. Write it only while no world exists: some mechanisms apply when a
+// body is made.
+inline Mechanism disabled_mechanism = Mechanism::None;
+
+inline bool without(Mechanism mechanism) { return mechanism == disabled_mechanism; }
 
 }  // namespace livegs

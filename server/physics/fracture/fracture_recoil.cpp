@@ -22,7 +22,7 @@ double impact_energy_loss_j(const RigidBody& body, const Eigen::Vector3d& impuls
 }
 
 void recoil(std::span<RigidBody* const> bodies, std::span<const OpenedFace> faces, double energy_j) {
-  if (without("fracture_recoil")) return;
+  if (without(Mechanism::FractureRecoil)) return;
   struct Push {
     Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero(), angular_impulse = Eigen::Vector3d::Zero();
   };

@@ -119,11 +119,11 @@ StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_
     if (!other || other->asleep || contact.owner->asleep) continue;
     detections = std::max(detections, detections_of_pair(*contact.owner, *other, duration_s));
   }
-  if (without("detections_by_speed")) detections = 1.0;
+  if (without(Mechanism::DetectionsBySpeed)) detections = 1.0;
   const int manifolds = std::max(1, static_cast<int>(island.contacts.size()));
   plan.detections = std::clamp(kMaxManifoldSolves / manifolds, 1, static_cast<int>(detections));
   const int most = std::min(kMaxSteps, kMaxManifoldSolves / manifolds);
-  if (plan.detections > 1 || most <= usual_steps || without("steps_by_load")) return plan;
+  if (plan.detections > 1 || most <= usual_steps || without(Mechanism::StepsByLoad)) return plan;
   const double needed = std::ceil(std::sqrt(worst_sag(island, gravity_m_s2, duration_s)));
   plan.steps = static_cast<int>(std::clamp<double>(needed, usual_steps, most));
   return plan;

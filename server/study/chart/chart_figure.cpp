@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/chart/chart_figure.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "core/file.h"
 #include "study/chart/chart_words.h"
+#include "study/chart/gnuplot.h"
 
 namespace livegs::study {
 namespace {
@@ -46,19 +42,6 @@ Style style_of(const std::string& label) {
   return {"", "#444444", 3, 1, 1.0};
 }
 
-// Doubles quotes, as gnuplot requires inside single quotes.
-std::string gnuplot_text(const std::string& text) {
-  std::string twice;
-  for (const char c : text) twice += c == '\'' ? "''" : std::string(1, c);
-  return twice;
-}
-
-// "youngs_modulus" in readable form.
-std::string words(std::string quantity) {
-  std::replace(quantity.begin(), quantity.end(), '_', ' ');
-  return quantity;
-}
-
 struct Range {
   double low, high;
 
@@ -80,21 +63,11 @@ Range error_range(const Panel& panel) {
 }
 
 std::string axis_text(const Panel& panel) {
-  if (panel.unit == "relative" || panel.unit == "absolute") return "error of " + words(panel.quantity);
-  return words(panel.quantity) + " (" + panel.unit + ")";
+  if (panel.unit == "relative" || panel.unit == "absolute") return "error of " + spaced(panel.quantity);
+  return spaced(panel.quantity) + " (" + panel.unit + ")";
 }
 
 std::string bar_text(const Panel& panel) { return "bar: " + error_text(panel.bar, panel.unit); }
-
-// Runs `gnuplot SCRIPT` and waits for it.
-bool run_gnuplot(const std::string& script) {
-  std::string program = "gnuplot", argument = script;
-  char* words[] = {program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  if (posix_spawnp(&child, "gnuplot", nullptr, nullptr, words, environ) != 0) return false;
-  int status = 0;
-  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
 
 void plot_panel(std::FILE* out, const Figure& figure, size_t index, const Range& costs) {
   const Panel& panel = figure.panels[index];
@@ -160,40 +133,7 @@ void plot_key(std::FILE* out, const Figure& figure) {
                figure.same_axis ? bar_text(panel).c_str() : "bar");
 }
 
-}  // namespace
-
-Figure elastic_figure(const ChartScene& scene, std::vector<Panel> panels) {
-  char settings[256];
-  std::snprintf(settings, sizeof settings,
-                "density 1000 kg/m^3, nu %g, 60 Hz; each curve from few to many substeps per frame, "
-                "numbered on the thick curve",
-                scene.poisson_ratio);
-  const std::string quantity = panels.empty() ? "" : words(panels.front().quantity);
-  return {scene.title + ", " + quantity, settings, std::move(panels), true};
-}
-
-Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg) {
-  const std::vector<Panel>& panels = figure.panels;
-  if (panels.empty()) return {};
-  const std::string path = svg.string();
-  if (path.find_first_of("'\n") != std::string::npos) {
-    return invalid_argument(path + ": the path contains a quote; choose another --output");
-  }
-  Range costs{1e300, 0.0};
-  for (const Panel& panel : panels) {
-    for (const Curve& curve : panel.curves) {
-      for (const CurvePoint& point : curve.points) {
-        costs.low = std::min(costs.low, 0.6 * point.cost_ms);
-        costs.high = std::max(costs.high, 1.7 * point.cost_ms);
-      }
-    }
-  }
-  const std::filesystem::path script = std::filesystem::path(path + ".gp");
-  std::FILE* out = std::fopen(script.c_str(), "w");
-  if (!out) return file_error(script, "cannot be written");
-  std::fprintf(out,
-               "set terminal svg size %zu,520 font 'Helvetica,12' background rgb 'white'\nset output '%s'\n",
-               std::max<size_t>(860, (figure.same_axis ? 260 : 200) + 290 * panels.size()), path.c_str());
+void plot_figure(std::FILE* out, const Figure& figure, const Range& costs) {
   std::fprintf(out,
                "set multiplot\nset logscale xy\nset grid xtics ytics lc rgb '#e4e4e4'\nunset key\n"
                "set tmargin at screen 0.825\nset bmargin at screen 0.285\nset tics font ',10'\n"
@@ -204,19 +144,40 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
                gnuplot_text(figure.settings).c_str());
   std::fprintf(out, "set label 3 '%s' at screen 0.02,0.893 font ',10' tc rgb '#555555'\n",
                gnuplot_text(figure.note).c_str());
-  for (size_t i = 0; i < panels.size(); ++i) {
+  for (size_t i = 0; i < figure.panels.size(); ++i) {
     plot_panel(out, figure, i, costs);
     std::fprintf(out, "unset label 1\nunset label 2\nunset label 3\n");
   }
   plot_key(out, figure);
   std::fprintf(out, "unset multiplot\n");
-  std::fclose(out);
-  const bool drawn_well = run_gnuplot(script.string());
-  std::error_code ignored;
-  std::filesystem::remove(script, ignored);
-  if (!drawn_well)
-    return Error{ErrorCode::Unavailable, "gnuplot: could not draw " + path + "; install gnuplot-nox"};
-  return {};
+}
+
+}  // namespace
+
+Figure elastic_figure(const ChartScene& scene, std::vector<Panel> panels) {
+  char settings[256];
+  std::snprintf(settings, sizeof settings,
+                "density 1000 kg/m^3, nu %g, 60 Hz; each curve from few to many substeps per frame, "
+                "numbered on the thick curve",
+                scene.poisson_ratio);
+  const std::string quantity = panels.empty() ? "" : spaced(panels.front().quantity);
+  return {scene.title + ", " + quantity, settings, std::move(panels), true};
+}
+
+Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg) {
+  const std::vector<Panel>& panels = figure.panels;
+  if (panels.empty()) return {};
+  Range costs{1e300, 0.0};
+  for (const Panel& panel : panels) {
+    for (const Curve& curve : panel.curves) {
+      for (const CurvePoint& point : curve.points) {
+        costs.low = std::min(costs.low, 0.6 * point.cost_ms);
+        costs.high = std::max(costs.high, 1.7 * point.cost_ms);
+      }
+    }
+  }
+  const size_t width = std::max<size_t>(860, (figure.same_axis ? 260 : 200) + 290 * panels.size());
+  return draw_with_gnuplot(svg, width, 520, [&](std::FILE* out) { plot_figure(out, figure, costs); });
 }
 
 }  // namespace livegs::study

@@ -16,6 +16,11 @@ std::string error_text(double error, const std::string& unit) {
   return format_text("%.2g %%", 100 * error);
 }
 
+std::string spaced(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 namespace {
 
 std::string cost(double ms) { return ms < 100 ? format_text("%.2g ms", ms) : format_text("%.0f ms", ms); }

@@ -166,7 +166,7 @@ void CellsBody::regularise_node_masses() {
   const std::vector<double> own_kg = masses_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
     before += own_kg[i];
-    if (!without("light_node_mass") && own_kg[i] < kMinNodeMassRatio * own_kg[parents[i]]) {
+    if (!without(Mechanism::LightNodeMass) && own_kg[i] < kMinNodeMassRatio * own_kg[parents[i]]) {
       masses_kg_[i] = kMinNodeMassRatio * own_kg[parents[i]];
       light_nodes_.push_back(
           {i, parents[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(parents[i])});

@@ -75,7 +75,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     NodeSample sample = surface_.points[i];
     Side& side = colliders_.sides[i];
     Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
-    const bool met = side.collider == collider_index && !without("collider_side");
+    const bool met = side.collider == collider_index && !without(Mechanism::ColliderSide);
     const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
     SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
     const double patch_depth = patch_depth_m(i);

@@ -218,7 +218,7 @@ void CellsBody::prepare_contact_step(double step_s) {
 }
 
 void CellsBody::start_from_last_force(ContactConstraint& row) const {
-  if (bodies_.last_forces.empty() || without("contact_warm_start")) return;
+  if (bodies_.last_forces.empty() || without(Mechanism::ContactWarmStart)) return;
   const LastForce& last = bodies_.last_forces[row.point];
   if (last.step + 1 != bodies_.step || last.body_id != row.other_body_id) return;
   row.normal_impulse_n_s = bodies_.step_s * last.normal_n;

@@ -82,7 +82,7 @@ double CellsBody::elastic_f32_j() const {
 
 // Runs once per frame, before other changes between frames. False: the state is lost.
 bool CellsBody::limit_energy() {
-  if (without("energy_limiter")) return true;
+  if (without(Mechanism::EnergyLimiter)) return true;
   const double work_j = std::exchange(limiter_.work_j, 0.0);
   const bool unknown =
       rest_.driven || holding_.moved || recovery_.recovering || is_separating() || !loads_.regions.empty();

@@ -68,7 +68,7 @@ void CellsBody::set_moment_map() {
 
 // A badly strained body has the inertia of its nodes, because the moments at rest do not describe it.
 bool CellsBody::has_material_inertia() const {
-  return free() && !step_.strained && !without("material_inertia");
+  return free() && !step_.strained && !without(Mechanism::MaterialInertia);
 }
 
 // World frame.
@@ -90,7 +90,7 @@ void CellsBody::use_material_inertia() {
 // from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
 // pull on r is G W G r, W = w² - w w^T.
 Matrix3d CellsBody::centrifugal_correction() const {
-  if (without("centrifugal_correction") || !has_material_inertia()) return Matrix3d::Zero();
+  if (without(Mechanism::CentrifugalCorrection) || !has_material_inertia()) return Matrix3d::Zero();
   const Matrix3d map = moment_map_now();
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();

@@ -109,9 +109,9 @@ void CellsBody::flow() {
       plastic_.parts[i] = strain_flows ? flowed.plastic_part : before;
       plastic_.modes[i] = modes_flow ? rest : rest_before;
       work = stored - energy_of(i, shape);
-      if (work >= 0.0 || without("flow_energy_check")) break;
+      if (work >= 0.0 || without(Mechanism::FlowEnergyCheck)) break;
     }
-    if (work < 0.0 && !without("flow_energy_check")) {
+    if (work < 0.0 && !without(Mechanism::FlowEnergyCheck)) {
       plastic_.modes[i] = rest_before;
       continue;
     }

@@ -83,7 +83,7 @@ double CellsBody::plane_strain_modulus_pa() const {
 
 // Rolling on colliders, by the contact impulses from `first_contact` on.
 void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
-  if (without("rolling_resistance")) return;
+  if (without(Mechanism::RollingResistance)) return;
   // No rolling resistance during impacts.
   if (!free() || !step_.is_slow || colliders_.contacts.size() == first_contact) return;
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
@@ -111,7 +111,7 @@ void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
 // own, and a box leaning on a block and a floor would jitter between them. A held body takes part. The spin
 // ends as soon as the couple suffices; a decay over kSpinDecayTime_s would let balls creep away.
 void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows) {
-  if (without("rolling_resistance")) return;
+  if (without(Mechanism::RollingResistance)) return;
   if (!step_.is_slow) return;
   std::vector<RigidProxy*> met;
   for (const ContactConstraint& row : rows) {

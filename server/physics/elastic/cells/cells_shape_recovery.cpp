@@ -82,7 +82,7 @@ double CellsBody::thickness_m() const {
 }
 
 void CellsBody::recover_shape(double frame_s) {
-  if (!recovery_.degenerate || without("shape_recovery")) return;
+  if (!recovery_.degenerate || without(Mechanism::ShapeRecovery)) return;
   // No recovery under load or sag: the strain is then legitimate.
   const double youngs_modulus_pa = materials_.cells.materials[0].youngs_modulus_pa,
                weight_n = mass_kg_ * step_.gravity_m_s2;

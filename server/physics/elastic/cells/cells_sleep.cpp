@@ -65,7 +65,7 @@ void CellsBody::rest(double frame_s) {
   const bool unstrained = free() && rest_.may_rest && !step_.touching && !rest_.forced && !is_separating() &&
                           loads_.regions.empty() && step_.strain_squared < kVisibleStrain * kVisibleStrain;
   rest_.unstrained_s = unstrained ? rest_.unstrained_s + frame_s : 0.0;
-  if (rest_.unstrained_s >= kUnstrainedTime_s && !without("rigid_when_unstrained")) {
+  if (rest_.unstrained_s >= kUnstrainedTime_s && !without(Mechanism::RigidWhenUnstrained)) {
     become_rigid();
     return;
   }
@@ -73,7 +73,7 @@ void CellsBody::rest(double frame_s) {
   // Bodies resting on others jitter too much for that test.
   const bool measured = holding_.held || !loads_.regions.empty();
   const bool moves = rest_.forced || rest_.driven || is_separating() ||
-                     (measured && !without("drift_test") && !is_stationary(frame_s));
+                     (measured && !without(Mechanism::DriftTest) && !is_stationary(frame_s));
   const double still_m = std::min(kStillDistance_m, kStillShare * (extent_.max_m - extent_.min_m).maxCoeff());
   const bool moved = moves || !rest_.supported || has_moved(measured ? still_m / kStationaryFactor : still_m);
   if (rest_.sleep_timer.tick(frame_s, moved ? INFINITY : 0.0, rest_.supported, moves)) sleep();

@@ -85,7 +85,7 @@ int CellsBody::begin_substep(const SubstepContext& context) {
 // last kImpactFrames, by which time most of the shock is vibration. They are not used for bodies in a hand,
 // or next to other elastic bodies: all of these would take the same steps, and they yield anyway.
 bool CellsBody::in_impact(const SubstepContext& context) {
-  if (without("impact_steps") || !context.others.empty() || rest_.forced) return false;
+  if (without(Mechanism::ImpactSteps) || !context.others.empty() || rest_.forced) return false;
   const bool comes = !step_.touching && !(colliders_.candidates.empty() && bodies_.rigid_candidates.empty());
   const double speed_m_s = step_.touching ? step_.deviation_m_s
                            : comes        ? ledger_.motion.velocity_m_s().norm() + step_.deviation_m_s
@@ -135,7 +135,7 @@ void CellsBody::solve_springs(const SubstepPart& part) {
 // Grip strength, by the largest stretch of the cell that a hand holds. Unlimited pulling would stretch thin
 // parts without bound and add large amounts of energy.
 double CellsBody::grip_factor(const NodeSample& sample) const {
-  if (without("grip_fade")) return 1.0;
+  if (without(Mechanism::GripFade)) return 1.0;
   Eigen::Matrix3d f = Eigen::Matrix3d::Zero();
   for (int c = 0; c < 8; ++c) {
     const Vector3d sign(c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0);
@@ -158,14 +158,15 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   // Neighbours can impose another step length. The previous step is then not a valid basis for BDF2.
   const bool even = std::abs(h - gains_.last_step_s) <= 1e-9 * h;
   gains_.last_step_s = h;
-  step_.is_slow = !without("first_order_when_slow") && step_.touching &&
+  step_.is_slow = !without(Mechanism::FirstOrderWhenSlow) && step_.touching &&
                   step_.deviation_m_s < slow_speed_m_s(context.gravity_m_s2);
   step_.second_order = options_.second_order && even && !step_.first &&
-                       (!step_.strained || without("first_order_when_strained")) && !step_.is_slow;
+                       (!step_.strained || without(Mechanism::FirstOrderWhenStrained)) && !step_.is_slow;
   // The result of a sweep from zero multipliers depends slightly on its order. A landing body alternates the
   // order, because a fixed one would cause a sideways drift. A slow body keeps one order in order to come to
   // rest, and so does a free one, because nearly empty cells would vibrate.
-  step_.backward = !without("alternating_sweep") && step_.touching && !step_.is_slow && !step_.backward;
+  step_.backward =
+      !without(Mechanism::AlternatingSweep) && step_.touching && !step_.is_slow && !step_.backward;
   for (Load& load : loads_.points) load.from_m = nodes_.position_m(load.sample);
   solve_springs(part);
   predict(h, context);
@@ -245,7 +246,7 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   // held body (a rod held at its end). A step cannot remove more than the whole deviation.
   const double weight_n = mass_kg_ * context.gravity_m_s2.norm(), rate = damping_rate();
   const double moving_part = free() ? M_PI * M_PI / 144.0 : 1.0 / 3.0;
-  const double loaded = weight_n > 0.0 && !without("loaded_damping")
+  const double loaded = weight_n > 0.0 && !without(Mechanism::LoadedDamping)
                             ? std::sqrt(1.0 + loads_.carried_n / (moving_part * weight_n))
                             : 1.0;
   const double kept = std::max(0.0, 1.0 - step_s * (loaded - 1.0) * rate) / (1.0 + step_s * rate);
@@ -317,7 +318,7 @@ void CellsBody::advance(double h) {
 // motion relative to the parent node, without the rigid motion of the body, is damped. The added mass follows
 // the parent: it gets the velocity change of the parent, without gravity, which the next step adds.
 void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
-  if (without("light_node_damping")) return;
+  if (without(Mechanism::LightNodeDamping)) return;
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
   for (LightNode& light_node : light_nodes_) {
@@ -365,7 +366,7 @@ void CellsBody::measure(const NodeSums& sums, double h) {
   if (free()) {
     ledger_.momentum += ledger_.contact_impulse;
     ledger_.contact_lag_m -= h / mass_kg_ * (ledger_.contact_impulse + ledger_.between_steps_impulse);
-    ledger_.contact_lag_m *= step_.second_order && !without("contact_lag") ? 1.0 / 3.0 : 0.0;
+    ledger_.contact_lag_m *= step_.second_order && !without(Mechanism::ContactLag) ? 1.0 / 3.0 : 0.0;
     ledger_.between_steps_impulse.setZero();
     ledger_.angular += ledger_.contact_moment - centre_before.cross(ledger_.contact_impulse) -
                        ledger_.contact_lag_m.cross(ledger_.momentum);

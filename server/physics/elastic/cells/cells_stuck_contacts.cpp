@@ -67,7 +67,7 @@ void CellsBody::update_stuck_contacts(double frame_s) {
     if (!one.separating) {
       const bool stuck = one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
-      one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without("stuck_contacts");
+      one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without(Mechanism::StuckContacts);
       if (one.separating)
         log_debug("object %u: stuck on object %u; contact is off until they are apart", object_id_,
                   object_of_body(one.body_id));

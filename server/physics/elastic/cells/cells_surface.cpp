@@ -27,7 +27,7 @@ void CellsBody::make_surface(const std::vector<SurfacePatch>& patches) {
   bool round = false;
   for (const SurfacePatch& patch : patches) {
     points.push_back({lattice_.embed(patch.rest_m), &patch});
-    round = round || (patch.reach_m > 0.0 && !without("curved_patches"));
+    round = round || (patch.reach_m > 0.0 && !without(Mechanism::CurvedPatches));
   }
   std::stable_sort(points.begin(), points.end(),
                    [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });

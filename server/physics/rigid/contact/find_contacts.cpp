@@ -162,7 +162,7 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
     core_candidates(
         body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); },
         body.velocity_m_s, marching_factor(collider), search, cores);
-    if (without("body_cores")) cores.clear();
+    if (without(Mechanism::BodyCores)) cores.clear();
     if (candidates.empty() && cores.empty()) continue;
     ContactPair pair = pair_of(body, nullptr, collider.restitution, gravity_m_s2, duration_s);
     pair.collider_friction = collider.friction;
@@ -190,7 +190,7 @@ void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const C
 // are inside.
 bool separate_coincident(const RigidBody& body, const RigidBody& other,
                          std::vector<ContactCandidate>& candidates) {
-  if (without("coincident_shapes")) return false;
+  if (without(Mechanism::CoincidentShapes)) return false;
   const Eigen::Vector3d size = body.shape.max_m - body.shape.min_m;
   Eigen::Index thinnest;
   const double width = size.minCoeff(&thinnest);
@@ -227,7 +227,7 @@ void separate_deep_overlap(const Eigen::Vector3d& between, double size_m,
               candidates[i].normal.dot(candidates[k].normal) < -kOppositeCosine;
     }
   }
-  if (!stuck || without("deep_overlaps")) return;
+  if (!stuck || without(Mechanism::DeepOverlaps)) return;
   if (out.norm() < kMinNetDepth * sum_m) out = between;
   std::erase_if(candidates,
                 [&](const ContactCandidate& one) { return depth_m(one) > 0.0 && one.normal.dot(out) < 0.0; });
@@ -248,7 +248,8 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
   pair.other = &other;
   pair.other_id = other.body_id();
   pair.lasts = body.shape.convex && other.shape.convex && !body.shape.round && !other.shape.round;
-  if (!without("reused_manifolds") && pair.lasts && motion < search.margin_m && reuse_manifold(body, pair))
+  if (!without(Mechanism::ReusedManifolds) && pair.lasts && motion < search.margin_m &&
+      reuse_manifold(body, pair))
     return;
   candidates.clear();
   if (body.shape.is_ball()) {
@@ -259,7 +260,7 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     mesh_candidates(body, other, search, candidates);
     separate_deep_overlap(between, smaller, candidates);
     std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
-    if (!cores.empty() && !without("body_cores")) append_manifolds(body, pair, cores);
+    if (!cores.empty() && !without(Mechanism::BodyCores)) append_manifolds(body, pair, cores);
   }
   if (body.shape.round)
     move_to_round_surface(*body.shape.round, body.world_from_body, PairSide::First, candidates);

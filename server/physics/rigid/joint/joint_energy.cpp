@@ -79,7 +79,7 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
                        others[i].turn.dot(body.angular_velocity_rad_s));
     rounding_j += kEnergyRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
   }
-  if (!(own_j > gained_j + start_j + rounding_j) || without("joint_energy_limit"))
+  if (!(own_j > gained_j + start_j + rounding_j) || without(Mechanism::JointEnergyLimit))
     return 1.0;  // suspended bodies at rest keep their load
   const double root = std::sqrt(std::max(0.0, gained_j * gained_j + 4.0 * own_j * start_j));
   const double factor = own_j > 0.0 ? std::clamp(0.5 * (gained_j + root) / own_j, 0.0, 1.0) : 1.0;
