@@ -48,7 +48,7 @@ struct CellsOptions {
 struct ElasticBodyDescription {
   uint32_t object_id = 0;
   ParticleSet particles;  // object frame, at rest
-  // Contact surface of the particles (prepare_body.h); null: the body makes it.
+  // Contact surface of the particles (prepare_body); null: the body makes it.
   std::shared_ptr<const std::vector<SurfacePatch>> patches;
   Material material;
   Pose world_from_object;                                            // pose of the rest shape at the start

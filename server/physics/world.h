@@ -48,7 +48,7 @@ int min_substeps(double rate_hz);  // so that none is longer than kMaxSubstep_s
 struct RigidBodyDescription {
   uint32_t object_id = 0;
   TriangleMesh mesh;  // object frame; closed
-  // Contact shape of the mesh about the centre of mass (prepare_body.h); null: add_rigid makes it.
+  // Contact shape of the mesh about the centre of mass (prepare_body); null: add_rigid makes it.
   std::shared_ptr<const RigidShape> shape;
   MassProperties properties;  // per kg, object frame
   // > 0: a sphere about the centre of mass for contact; the mesh is only used for fracture.
@@ -141,9 +141,8 @@ class World {
   const WorldSettings& settings() const;
 
   // The caller chooses ids; they must be unique. Errors name the object's id and the invalid value.
-  void add_collider(const Collider& collider);
-  // `object_id`: of the static object that the collider belongs to.
-  void add_collider(const Collider& collider, uint32_t object_id);
+  // `object_id`: of the static object that the collider belongs to; 0: none.
+  void add_collider(const Collider& collider, uint32_t object_id = 0);
   // Removes the colliders of a static object, or with 0 those without an object. Bodies on them wake up.
   void remove_colliders(uint32_t object_id);
   Result<void> add_static(uint32_t object_id, const Pose& world_from_object);
@@ -181,12 +180,10 @@ class World {
   uint64_t tick() const;
 
   // Applies a constant force (world frame) at a material point (object frame at rest) from the next tick on,
-  // for `duration_s` or until it is cleared. Its impulse is force times duration, whatever part of a substep
-  // the duration ends in. The caller chooses ids; an existing id is replaced. Forces on unknown objects are
-  // ignored.
+  // for `duration_s`, which may end within a substep. The caller chooses ids; an existing id is replaced.
+  // Forces on unknown objects are ignored.
   void set_force(uint64_t force_id, uint32_t object_id, const PointForce& force,
                  double duration_s = std::numeric_limits<double>::infinity());
-  void clear_force(uint64_t force_id);
   // A material point is specified by its position in the object at rest. In a broken object it moves with the
   // fragment that contains `piece`, or without `piece` with the fragment at that position. Pass `piece` for
   // points near a surface, such as a hand's: they may lie in the cell of another fragment.
@@ -284,6 +281,13 @@ class World {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// Computes the data that depend only on the form of a body, before it is added: in parallel, and once for
+// bodies that are added again, as when a scene is reset. Bodies without it compute it when they are added,
+// with the same result. Any thread. Nothing is computed for a description that add_rigid or add_elastic
+// refuses.
+void prepare_body(RigidBodyDescription& description);
+void prepare_body(ElasticBodyDescription& description);
 
 // Minimum impulse per tick of a reported contact event, N s. Larger: fewer events.
 inline constexpr double kReportedImpulse_n_s = 0.02;

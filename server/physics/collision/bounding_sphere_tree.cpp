@@ -3,14 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <numeric>
+#include <utility>
 
 namespace livegs {
-namespace {
-
-// Maximum number of points in a leaf. Larger: fewer nodes, more points tested.
-constexpr uint32_t kLeafPoints = 6;
-
-}  // namespace
 
 BoundingSphereTree::BoundingSphereTree(std::span<const Eigen::Vector3d> points_m) : order_(points_m.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
@@ -27,15 +22,12 @@ void BoundingSphereTree::add_group(std::span<const Eigen::Vector3d> points_m, ui
   const size_t own = groups_.size();
   // The margin keeps every point inside despite rounding.
   groups_.push_back({centre, (1.0 + 1e-9) * std::sqrt(squared), begin, end, 0});
-  if (end - begin > kLeafPoints) {
+  if (end - begin > 6) {  // larger leaves: fewer nodes, more points tested
     Eigen::Index axis;
     box.sizes().maxCoeff(&axis);
     const uint32_t middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](uint32_t a, uint32_t b) {
-                       const double at_a = points_m[a][axis], at_b = points_m[b][axis];
-                       return at_a != at_b ? at_a < at_b : a < b;
-                     });
+    std::ranges::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, {},
+                             [&](uint32_t i) { return std::pair(points_m[i][axis], i); });
     add_group(points_m, begin, middle);
     add_group(points_m, middle, end);
   }

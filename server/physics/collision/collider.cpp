@@ -9,10 +9,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Within this distance of a sheet, in cells, the triangles are sampled, because the grid rounds off bends and
-// borders. Nodes of the cells that the sheet crosses are up to 1.73 cells away, so all of these are covered.
-constexpr double kSheetCells = 2.0;
-
 // The following functions work in the collider's frame.
 
 SurfaceSample sample(const PlaneShape&, const Vector3d& point) { return {point.y(), Vector3d::UnitY()}; }
@@ -39,7 +35,9 @@ SurfaceSample sample(const BoxShape& box, const Vector3d& point) {
 
 SurfaceSample sample(const FieldShape& shape, const Vector3d& point) {
   const DistanceField::Sample found = shape.field->sample(point);
-  if (shape.sheet && found.distance_m < kSheetCells * shape.field->cell_m()) {
+  // Near a sheet its triangles are sampled, because the grid rounds off bends and borders. Nodes of the cells
+  // that the sheet crosses are up to 1.73 cells away.
+  if (shape.sheet && found.distance_m < 2.0 * shape.field->cell_m()) {
     const TriangleTree::Nearest nearest = shape.sheet->nearest(point);
     const Vector3d away = point - nearest.foot_m;
     const bool outside = nearest.distance_m > 1e-6 * shape.field->cell_m();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "geometry/field/point_grid.h"
@@ -37,30 +38,48 @@ void keep_extremes(const std::vector<Eigen::Vector3d>& vertices, std::vector<Eig
       for (int z = -1; z <= 1; ++z) {
         if (x == 0 && y == 0 && z == 0) continue;
         const Eigen::Vector3d direction(x, y, z);
-        size_t best = 0;
-        for (size_t i = 1; i < vertices.size(); ++i) {
-          if (vertices[i].dot(direction) > vertices[best].dot(direction)) best = i;
-        }
-        extremes.push_back(best);
+        const auto along = [&](const Eigen::Vector3d& vertex) { return vertex.dot(direction); };
+        const auto best = std::ranges::max_element(vertices, {}, along);
+        extremes.push_back(static_cast<size_t>(best - vertices.begin()));
       }
     }
   }
-  std::sort(extremes.begin(), extremes.end());
-  extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
+  std::ranges::sort(extremes);
+  extremes.erase(std::ranges::unique(extremes).begin(), extremes.end());
   for (const size_t index : extremes) kept.push_back(vertices[index]);
 }
 
 // Mean thickness: twice the volume divided by the surface area.
 double mean_thickness_m(const TriangleMesh& mesh) {
+  return 2.0 * std::abs(signed_volume_m3(mesh)) / surface_area_m2(mesh);
+}
+
+}  // namespace
+
+double surface_area_m2(const TriangleMesh& mesh) {
   double area_m2 = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const auto& at = mesh.vertices_m;
     area_m2 += 0.5 * (at[b] - at[a]).cross(at[c] - at[a]).norm();
   }
-  return 2.0 * std::abs(signed_volume_m3(mesh)) / area_m2;
+  return area_m2;
 }
 
-}  // namespace
+double triangle_distance_m(const RigidShape& shape, const Eigen::Vector3d& point_m) {
+  double least = INFINITY;
+  for (const auto& [a, b, c] : shape.mesh.triangles) {
+    const auto& at = shape.mesh.vertices_m;
+    least =
+        std::min(least, (closest_point_on_triangle(point_m, at[a], at[b], at[c]) - point_m).squaredNorm());
+  }
+  return std::sqrt(least);
+}
+
+ShapeBox turned_box(const RigidShape& shape, const Eigen::Matrix3d& turn, const Eigen::Vector3d& position_m) {
+  if (shape.is_ball()) return {position_m, Eigen::Vector3d::Constant(shape.sphere_radius_m)};
+  return {position_m + turn * (0.5 * (shape.min_m + shape.max_m)),
+          turn.cwiseAbs() * (0.5 * (shape.max_m - shape.min_m))};
+}
 
 std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m, size_t max_points) {
   std::vector<Eigen::Vector3d> kept;
@@ -76,9 +95,8 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
   // Farthest points first, so that the first points to touch are kept. Vertices are taken before filling
   // points because edges are sharp.
   const auto take = [&](std::vector<Eigen::Vector3d> points) {
-    std::stable_sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-      return a.squaredNorm() > b.squaredNorm();
-    });
+    std::ranges::stable_sort(points, std::greater(),
+                             [](const Eigen::Vector3d& p) { return p.squaredNorm(); });
     for (const Eigen::Vector3d& point : points) {
       if (taken.has_neighbour_within(point, spacing_m)) continue;
       kept.push_back(point);
@@ -100,14 +118,8 @@ double inner_radius_m(const RigidShape& shape) {
   const Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   const double inside = -shape.sample(centre).distance_m;
   if (!(inside > 0.0)) return 0.0;
-  if (!shape.field) return inside;
-  // The field has an error of up to one cell, so the triangles are used.
-  double nearest = INFINITY;
-  for (const auto& [a, b, c] : shape.mesh.triangles) {
-    const auto& at = shape.mesh.vertices_m;
-    nearest = std::min(nearest, closest_point_on_triangle(centre, at[a], at[b], at[c]).norm());
-  }
-  return nearest;
+  // A field has an error of up to one cell.
+  return shape.field ? triangle_distance_m(shape, centre) : inside;
 }
 
 RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,

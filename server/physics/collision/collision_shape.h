@@ -78,6 +78,16 @@ RigidShape ball_shape(double radius_m);
 // Computes RigidShape::inner_radius_m of a shape that is not a ball.
 double inner_radius_m(const RigidShape& shape);
 
+// Distance of a point to the nearest triangle of the mesh.
+double triangle_distance_m(const RigidShape& shape, const Eigen::Vector3d& point_m);
+double surface_area_m2(const TriangleMesh& mesh);
+
+// Axis-aligned box around a shape that is turned and then moved.
+struct ShapeBox {
+  Eigen::Vector3d middle_m, half_m;
+};
+ShapeBox turned_box(const RigidShape& shape, const Eigen::Matrix3d& turn, const Eigen::Vector3d& position_m);
+
 // Contact points of a surface. If there are few vertices (up to 3/4 of `max_points`), all are kept: a round
 // body rolls on them and would lose speed at a missing facet. Otherwise vertices at least `spacing_m` apart
 // are kept, the farthest from the origin first; the extremes along 26 directions are always kept. Long edges

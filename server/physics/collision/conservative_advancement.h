@@ -27,18 +27,18 @@ template <class Sample>
 std::optional<SphereCastHit> cast_sphere(const Sample& sample, const Eigen::Vector3d& start_m,
                                          const Eigen::Vector3d& displacement_m, double radius_m,
                                          double tolerance_m) {
-  constexpr int kMaxMarches = 64;  // a grazing path may stay unresolved until the next substep
+  const int most = 64;  // a grazing path may stay unresolved until the next substep
   const double length = displacement_m.norm();
   if (!(length > 0.0)) return std::nullopt;
   const Eigen::Vector3d direction = displacement_m / length;
   double travelled = 0.0;
-  for (int march = 0; march < kMaxMarches && travelled <= length; ++march) {
+  for (int march = 0; march < most && travelled <= length; ++march) {
     const SurfaceSample surface = sample(Eigen::Vector3d(start_m + travelled * direction));
     const double gap = surface.distance_m - radius_m;
     const double slope = surface.normal.dot(direction);
     if (gap < tolerance_m && slope < -1e-3)
       return SphereCastHit{travelled, gap - travelled * slope, surface.normal};
-    travelled += std::max({gap, tolerance_m, length / kMaxMarches * (gap < tolerance_m ? 1.0 : 0.0)});
+    travelled += std::max({gap, tolerance_m, length / most * (gap < tolerance_m ? 1.0 : 0.0)});
   }
   return std::nullopt;
 }

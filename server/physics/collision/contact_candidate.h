@@ -19,23 +19,26 @@ struct ContactCandidate {
 inline constexpr double kContactMargin = 0.01;
 
 // Cosine of 30 degrees, the angle within which two normals count as one direction: contacts of one manifold,
-// the current contact of a ball and the one ahead of it.
+// the current contact of a ball and the one ahead of it, faces of a mesh without a ridge between them.
 inline constexpr double kSameDirectionCosine = 0.866;
+// Cosine of 60 degrees, the angle beyond which two normals are on different faces or sides: of a thin sheet,
+// the end and the side of a cylinder, a support and a wall.
+inline constexpr double kSameSideCosine = 0.5;
 
-// Feature ids below this are points of the first body's mesh.
-inline constexpr uint64_t kForeignFeature = uint64_t{1} << 32;
-inline constexpr uint64_t kBallFeature = kForeignFeature;
-inline constexpr uint64_t kAheadFeature = kBallFeature + 1;  // a ball where it will be
-// Points of a round side: at one end, at the other, between.
-inline constexpr uint64_t kRoundFeature = kForeignFeature + 16;
-inline constexpr uint64_t kCoreFeature = uint64_t{1} << 30;  // added to the ids of a core's ball
-inline constexpr uint64_t kEdgePair = kForeignFeature + (uint64_t{1} << 30);
-// The index of the other body's contact point is added.
-inline constexpr uint64_t kOtherPoint = kForeignFeature + (uint64_t{1} << 31);
-// Features of a collider.
-inline constexpr uint64_t kCornerFeature = uint64_t{2} << 32;
-inline constexpr uint64_t kEdgeFeature = uint64_t{3} << 32;
-inline constexpr uint64_t kSphereFeature = uint64_t{4} << 32;
-inline constexpr uint64_t kRidgeFeature = uint64_t{5} << 32;
+// Ranges of feature ids. Ids below kForeignFeature are points of the first body's mesh.
+enum Feature : uint64_t {
+  kCoreFeature = uint64_t{1} << 30,  // added to the ids of a core's ball
+  kForeignFeature = uint64_t{1} << 32,
+  kBallFeature = kForeignFeature,
+  kAheadFeature,                         // a ball where it will be
+  kRoundFeature = kForeignFeature + 16,  // points of a round side: at one end, at the other, between
+  kEdgePair = kForeignFeature + (uint64_t{1} << 30),
+  kOtherPoint = kForeignFeature + (uint64_t{1} << 31),  // plus the index of the other body's contact point
+  // Of a collider.
+  kCornerFeature = uint64_t{2} << 32,
+  kEdgeFeature = uint64_t{3} << 32,
+  kSphereFeature = uint64_t{4} << 32,
+  kRidgeFeature = uint64_t{5} << 32,
+};
 
 }  // namespace livegs

@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "core/assert.h"
@@ -92,12 +94,9 @@ bool add_edges(ConvexPolyhedron& hull) {
 std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
   const auto welded = weld(mesh);
   if (!welded || welded->triangles.size() < 4) return std::nullopt;
-  Vector3d low = welded->vertices[0], high = low;
-  for (const Vector3d& vertex : welded->vertices) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  const double tolerance = kPlaneTolerance * (high - low).norm();
+  Eigen::AlignedBox3d bounds;
+  for (const Vector3d& vertex : welded->vertices) bounds.extend(vertex);
+  const double size = bounds.diagonal().norm(), tolerance = kPlaneTolerance * size;
   const size_t count = welded->triangles.size();
   DirectedEdges edges;
   for (size_t t = 0; t < count; ++t) {
@@ -109,10 +108,9 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
 
   // Faces grow from the largest triangles, whose planes are the most accurate.
   std::vector<size_t> order(count);
-  for (size_t t = 0; t < count; ++t) order[t] = t;
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return area_of(*welded, a).squaredNorm() > area_of(*welded, b).squaredNorm();
-  });
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::stable_sort(order, std::greater(),
+                           [&](size_t t) { return area_of(*welded, t).squaredNorm(); });
   ConvexPolyhedron hull;
   std::vector<char> taken(count, 0);
   for (const size_t seed : order) {
@@ -149,17 +147,15 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
   }
   // Removes vertices in the interior of faces and renumbers the others.
   std::vector<uint16_t> kept = hull.loops;
-  std::sort(kept.begin(), kept.end());
-  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  std::ranges::sort(kept);
+  kept.erase(std::ranges::unique(kept).begin(), kept.end());
   for (const uint16_t v : kept) hull.vertices_m.push_back(welded->vertices[v]);
-  for (uint16_t& v : hull.loops) {
-    v = static_cast<uint16_t>(std::lower_bound(kept.begin(), kept.end(), v) - kept.begin());
-  }
+  for (uint16_t& v : hull.loops) v = static_cast<uint16_t>(std::ranges::lower_bound(kept, v) - kept.begin());
   if (!add_edges(hull)) return std::nullopt;
   hull.centre_m.setZero();
   for (const Vector3d& vertex : hull.vertices_m)
     hull.centre_m += vertex / static_cast<double>(hull.vertices_m.size());
-  hull.inner_radius_m = (high - low).norm();
+  hull.inner_radius_m = size;
   for (const auto& face : hull.faces) {
     hull.inner_radius_m = std::min(hull.inner_radius_m, face.offset_m - face.normal.dot(hull.centre_m));
   }

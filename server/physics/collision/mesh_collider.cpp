@@ -12,19 +12,14 @@
 
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/weld_vertices.h"
+#include "physics/collision/contact_candidate.h"
 
 namespace livegs {
 namespace {
 
 // Cells of the distance field along the longest side. Larger: finer features, memory grows with the cube.
 constexpr double kFieldCells = 64.0;
-// Spacing of ridge points, in cells.
-constexpr double kRidgeCells = 0.5;
-// Limit of ridge points per collider; the spacing is doubled above it.
-constexpr size_t kMaxRidgePoints = 32768;
-// See wall_thickness_m.
-constexpr double kWallThickness_m = 0.004;
-constexpr double kRidgeCosine = 0.866;  // cosine of 30 degrees between the normals of two faces
+constexpr double kWallThickness_m = 0.004;  // see wall_thickness_m
 
 struct Corner {
   Eigen::Vector3d normal;  // of the triangle, not normalised
@@ -83,11 +78,11 @@ TriangleMesh both_ways(const TriangleMesh& mesh) {
 
 RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, ConcaveEdges concave_edges) {
   RidgePoints ridges;
-  double spacing_m = kRidgeCells * cell_m;
+  double spacing_m = 0.5 * cell_m;
   do {
     ridges = ridge_points(mesh, spacing_m, concave_edges);
     spacing_m *= 2.0;
-  } while (ridges.points_m.size() > kMaxRidgePoints && spacing_m < kFieldCells * cell_m);
+  } while (ridges.points_m.size() > 32768 /* for memory */ && spacing_m < kFieldCells * cell_m);
   return ridges;
 }
 
@@ -110,7 +105,7 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdge
     if (const auto other = sides.find({b, a}); other != sides.end()) {
       if (a > b) continue;
       const Eigen::Vector3d& normal = other->second.normal;
-      if (one.normal.dot(normal) > kRidgeCosine * one.normal.norm() * normal.norm()) continue;
+      if (one.normal.dot(normal) > kSameDirectionCosine * one.normal.norm() * normal.norm()) continue;
       const bool groove = one.normal.dot(at[other->second.opposite] - at[a]) >= 0.0;
       if (groove && concave_edges == ConcaveEdges::Skip) continue;
     }

@@ -11,9 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Maximum number of marching steps out of a solid; thin walls need few.
-constexpr int kMaxMarches = 32;
-
 // Thickness that a point can tunnel through, m.
 double thickness_m(const Collider& collider) {
   if (const auto* box = std::get_if<BoxShape>(&collider.shape)) return box->size_m.minCoeff();
@@ -46,7 +43,7 @@ SurfaceSample swept_surface(const ColliderProbe& collider, const Vector3d& from_
   if (sided && start_m < 0.0) {
     if (at.distance_m < 0.0 && at.normal.dot(side) > 0.0) return at;
     double out = 0.0;
-    for (int march = 0; march < kMaxMarches; ++march) {
+    for (int march = 0; march < 32; ++march) {  // thin walls need few
       const double inside = -collider.sample(from_m + out * side).distance_m;
       if (inside <= 0.0) break;
       out += std::max(inside, tolerance);

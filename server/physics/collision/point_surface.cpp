@@ -5,20 +5,15 @@
 #include <array>
 #include <cmath>
 
+#include "physics/collision/contact_candidate.h"
+
 namespace livegs {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr int kMaxCells = 32;       // per axis
-constexpr int kMaxNeighbours = 48;  // elements per query
-constexpr int kMaxFaces = 3;        // faces that meet at one point
-// Maximum concavity of an edge that counts as convex, relative to the reach.
-constexpr double kMaxHollow = 1e-3;
 constexpr double kFacingCosine = -0.3;  // maximum cosine between normals of opposite faces
-// Maximum number of samples along a path. Longer paths are sampled more coarsely.
-constexpr int kMaxProbes = 64;
 
 bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
   for (const SurfaceElement& face : own) {
@@ -31,15 +26,12 @@ bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
 
 PointSurface::PointSurface(const std::vector<SurfaceElement>& elements, double reach_m)
     : elements_(elements), reach_m_(reach_m) {
-  low_m_.setConstant(INFINITY);
-  Vector3d high = -low_m_;
-  for (const SurfaceElement& element : elements) {
-    low_m_ = low_m_.cwiseMin(element.position_m);
-    high = high.cwiseMax(element.position_m);
-  }
-  const Vector3d size = elements.empty() ? Vector3d::Zero().eval() : Vector3d(high - low_m_);
-  if (elements.empty()) low_m_.setZero();
-  cell_m_ = std::max(reach_m, size.maxCoeff() / (kMaxCells - 1));
+  Eigen::AlignedBox3d box;
+  for (const SurfaceElement& element : elements) box.extend(element.position_m);
+  if (elements.empty()) box.extend(Vector3d::Zero().eval());
+  low_m_ = box.min();
+  const Vector3d size = box.sizes();
+  cell_m_ = std::max(reach_m, size.maxCoeff() / 31);  // at most 32 cells an axis
   counts_ = (size / cell_m_).array().floor().cast<int>() + 1;
   const auto cell_of = [&](const Vector3d& p) {
     const Vector3i at = ((p - low_m_) / cell_m_).array().floor().cast<int>().min(counts_.array() - 1).max(0);
@@ -75,12 +67,12 @@ void PointSurface::visit_near(const Vector3d& point_m, const Visit& visit) const
 
 std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
                                                 std::span<const SurfaceElement> own) const {
-  std::array<uint32_t, kMaxNeighbours> near;
-  std::array<double, kMaxNeighbours> squares;
+  std::array<uint32_t, 48> near;
+  std::array<double, near.size()> squares;
   int count = 0, nearest = -1;
   double least = reach_m_ * reach_m_;
   visit_near(point_m, [&](uint32_t i, double square) {
-    if (count < kMaxNeighbours) {
+    if (count < std::ssize(near)) {
       near[count] = i;
       squares[count] = square;
       if (square < least) {
@@ -103,9 +95,10 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
   }
   // Groups elements into faces, nearest first. Faces beyond a concave edge do not count.
   std::optional<SurfaceDepth> deepest, facing;
-  std::array<bool, kMaxNeighbours> taken{};
+  std::array<bool, near.size()> taken{};
+  const double hollow_m = 1e-3 * reach_m_;  // an edge less concave than this counts as convex
   int leader = nearest;
-  for (int face = 0; face < kMaxFaces && leader >= 0; ++face) {
+  for (int face = 0; face < 3 && leader >= 0; ++face) {  // at most three meet at a point
     const SurfaceElement& lead = elements_[near[leader]];
     double weights = 0.0, distance = 0.0;
     Vector3d normal = Vector3d::Zero();
@@ -119,8 +112,7 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
       normal += weight * element.normal;
     }
     const Vector3d across = lead.position_m - first_lead.position_m;
-    const bool convex = across.dot(first_lead.normal) <= kMaxHollow * reach_m_ &&
-                        across.dot(lead.normal) >= -kMaxHollow * reach_m_;
+    const bool convex = across.dot(first_lead.normal) <= hollow_m && across.dot(lead.normal) >= -hollow_m;
     if (convex) {
       const double length = normal.norm();
       SurfaceDepth found{distance / weights, normal / length, lead.index};
@@ -141,7 +133,8 @@ std::optional<SurfaceDepth> PointSurface::swept_depth(const Vector3d& end_m, con
                                                       std::span<const SurfaceElement> own) const {
   const double length = displacement_m.norm();
   if (length > 0.5 * reach_m_) {
-    const int probes = static_cast<int>(std::min<double>(kMaxProbes, std::ceil(length / (0.5 * reach_m_))));
+    // Longer paths than 32 reaches are sampled more coarsely.
+    const int probes = static_cast<int>(std::min(64.0, std::ceil(length / (0.5 * reach_m_))));
     for (int k = 0; k < probes; ++k) {
       const Vector3d rest = (1.0 - static_cast<double>(k) / probes) * displacement_m;
       auto found = depth(end_m - rest, own);

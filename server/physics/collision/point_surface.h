@@ -16,10 +16,6 @@
 
 namespace livegs {
 
-// Cosine between normals below which two points of a surface are on different faces or sides, as on a thin
-// sheet.
-inline constexpr double kSameSideCosine = 0.5;
-
 struct SurfaceElement {
   Eigen::Vector3d position_m;  // world frame
   Eigen::Vector3d normal;      // outward unit normal; zero: the element is a ball of `radius_m`

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Separating axis test with edge pairs pruned on the Gauss map (Gregorius 2013, The separating axis test
 // between convex polyhedra), followed by clipping of the incident face against the reference face.
-#include "physics/collision/polyhedron_manifold.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "physics/collision/contact_candidate.h"
+#include "physics/collision/convex_polyhedron.h"
 
 namespace livegs {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "geometry/mesh/smooth_surface.h"
-#include "physics/collision/point_surface.h"
+#include "physics/collision/contact_candidate.h"
 
 namespace livegs {
 namespace {
@@ -27,14 +27,15 @@ struct KeyHash {
   }
 };
 
+// Cell of a point in a grid with cells of `edge_m`.
+Key key_of(const Vector3d& p, double edge_m) {
+  const auto cell = [&](double x) { return static_cast<int64_t>(std::floor(x / edge_m)); };
+  return {cell(p.x()), cell(p.y()), cell(p.z())};
+}
+
 // Distance between patches on the same side of the surface, in voxels. The points of a box cut into whole
 // voxels are at least one apart.
 constexpr double kPatchSpacing = 0.7;
-// Radius of curvature, in reaches, beyond which a patch is flat: it bulges by less than half a per cent of
-// its reach.
-constexpr double kFlatRadius = 100.0;
-// Cosine between a patch and the opposite of the direction below which the patch does not touch.
-constexpr double kMinFacingCosine = 0.01;
 // Reach of a patch, in its radii of curvature, up to which the quadric is near a circle: within 1 % of the
 // radius.
 constexpr double kMaxReachInRadii = 0.5;
@@ -44,13 +45,14 @@ class VoxelMap {
  public:
   VoxelMap(const ParticleSet& particles, double edge) : particles_(particles), edge_(edge) {
     for (size_t i = 0; i < particles.positions_m.size(); ++i)
-      voxels_[key(particles.positions_m[i])].push_back(i);
+      voxels_[key_of(particles.positions_m[i], edge)].push_back(i);
   }
 
   // Whether `accept` returns true for any particle within a cube.
   template <class Accept>
   bool any_within(const Vector3d& centre, double half, const Accept& accept) const {
-    const Key low = key(centre - Vector3d::Constant(half)), high = key(centre + Vector3d::Constant(half));
+    const Key low = key_of(centre - Vector3d::Constant(half), edge_);
+    const Key high = key_of(centre + Vector3d::Constant(half), edge_);
     for (int64_t x = low[0]; x <= high[0]; ++x) {
       for (int64_t y = low[1]; y <= high[1]; ++y) {
         for (int64_t z = low[2]; z <= high[2]; ++z) {
@@ -66,10 +68,6 @@ class VoxelMap {
   }
 
  private:
-  Key key(const Vector3d& p) const {
-    const auto cell = [&](double x) { return static_cast<int64_t>(std::floor(x / edge_)); };
-    return {cell(p.x()), cell(p.y()), cell(p.z())};
-  }
   const ParticleSet& particles_;
   double edge_;
   // Never iterated, so the hash order has no effect.
@@ -82,7 +80,7 @@ class TakenPatches {
   explicit TakenPatches(double apart_m) : apart_m_(apart_m) {}
 
   bool has_neighbour(const Vector3d& point_m, const Vector3d& normal) const {
-    const Key at = key(point_m);
+    const Key at = key_of(point_m, apart_m_);
     for (int k = 0; k < 27; ++k) {
       const auto found = cells_.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
       if (found == cells_.end()) continue;
@@ -93,14 +91,10 @@ class TakenPatches {
     return false;
   }
   void insert(const Vector3d& point_m, const Vector3d& normal) {
-    cells_[key(point_m)].push_back({point_m, normal});
+    cells_[key_of(point_m, apart_m_)].push_back({point_m, normal});
   }
 
  private:
-  Key key(const Vector3d& p) const {
-    const auto cell = [&](double x) { return static_cast<int64_t>(std::floor(x / apart_m_)); };
-    return {cell(p.x()), cell(p.y()), cell(p.z())};
-  }
   double apart_m_;
   std::unordered_map<Key, std::vector<std::pair<Vector3d, Vector3d>>, KeyHash> cells_;  // never iterated
 };
@@ -110,7 +104,9 @@ SurfacePatch patch_of(const SmoothSurface::Foot& foot, double reach_m) {
   SurfacePatch patch{foot.point_m, foot.normals, foot.bulge};
   if (reach_m <= 0.0) return patch;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(foot.curvature);
-  const double least = 1.0 / (kFlatRadius * reach_m);
+  // A patch with a radius of more than 100 reaches is flat: it bulges by less than half a per cent of its
+  // reach.
+  const double least = 1.0 / (100.0 * reach_m);
   for (int k = 0; k < 3; ++k) {
     const double bend = principal.eigenvalues()[k];
     if (!(bend > least)) continue;
@@ -254,7 +250,7 @@ std::vector<SurfacePatch> surface_patches(const ParticleSet& particles) {
 
 Vector3d touching_offset(const SurfacePatch& patch, const Vector3d& direction) {
   const double facing = -direction.dot(patch.bulge);
-  if (!(facing > kMinFacingCosine)) return Vector3d::Zero();
+  if (!(facing > 0.01)) return Vector3d::Zero();           // the patch faces away
   Vector3d along = -(patch.flatten * direction) / facing;  // flatten is zero along the bulge
   const double length = along.norm();
   if (length > patch.reach_m) along *= patch.reach_m / length;

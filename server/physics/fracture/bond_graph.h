@@ -8,30 +8,24 @@
 #include "geometry/fracture/voronoi_pieces.h"
 
 // Bonds between the pieces of a fragile body, and the selection of bonds that an impact breaks. Pure
-// functions of the graph and the impact. The impact is an impulse in N s, not a force, so that the result
-// does not depend on the step size.
+// functions of the graph and the impact, an impulse in N s, so that the result does not depend on the step.
 //
-// The rule. The impulse of an impact accelerates the whole body, and the share of the pieces far from the
-// impact is transmitted by bonds. Bonds are springs in parallel with stiffness area / length. One linear
-// solve yields the impulse through each bond (Newton's law for each piece as a node: inflow minus outflow is
-// the momentum of its rigid motion). The load of a bond is that impulse divided by area and integrity.
+// The rule. The impulse accelerates the whole body; bonds transmit the share of the pieces far from it. Bonds
+// are springs of stiffness area / length. One linear solve yields the impulse through each (Newton's law for
+// each piece). The load of a bond is that impulse divided by area and integrity.
 //   - Nothing breaks below the body's threshold. For the whole body it is J_c = break_impulse_n_s. For a
 //     fragment it is scaled by its share of the bond area. It is lower if the most loaded bond is damaged.
-//   - Pieces across lightly loaded faces stay together: starting with single pieces, the two neighbouring
-//     groups with the least mean load between them are merged until one group is left. An impact undoes
-//     these merges in reverse order, so cracks run through the body, fine near the impact and coarse far
-//     from it.
+//   - Starting with single pieces, the two neighbouring groups with the least mean load between them are
+//     merged until one group is left. An impact undoes these merges in reverse order, so cracks run through
+//     the body, fine near the impact and coarse far from it.
 //   - The energy of the impact, proportional to J², pays for the cracked area (Griffith 1921): merges are
 //     undone while the area of faces between groups is within A_0 (J / J_c)²; the first one always is. A_0
-//     is the mean cross-section, volume / length: at the threshold one crack divides the body, for any
-//     number of pieces.
+//     is the mean cross-section, volume / length: at the threshold one crack divides the body.
 //
 // Monotonicity: if an impact breaks bonds, a stronger one at the same point and direction breaks them too.
 //
 // An impact below the threshold damages bonds. Damage accumulates linearly (Palmgren 1924, Miner 1945), and
-// only in bonds above an endurance limit: below some fraction of their toughness cracks in brittle solids do
-// not grow under cyclic load (Ritchie 1999, Int. J. Fracture 100, 55). The fraction of one half is our
-// choice. Repeated strong impacts therefore break a body along previously damaged bonds.
+// only in bonds above an endurance limit (Ritchie 1999, Int. J. Fracture 100, 55), by choice one half.
 
 namespace livegs {
 

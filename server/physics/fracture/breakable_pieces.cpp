@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/parallel_for.h"
 #include "geometry/fracture/fracture_seeds.h"
@@ -19,10 +20,8 @@ constexpr ShapeDetail kPieceDetail{.field_cells = 16.0,
                                    .point_spacing = 1.0 / 8.0,
                                    .max_points = 96,
                                    .thin = DistanceField::Thin::ByTheGrid};
-constexpr size_t kOutsidePoints = 32;  // per piece
-constexpr size_t kFacePoints = 12;     // per cut face
 constexpr double kSliverPoints =
-    4.0;  // of a pattern along the longest side of a face, times the points above
+    4.0;  // of a pattern along the longest side of a face, times the points of the face
 // Minimum outer area of a shell's piece, relative to its volume^(2/3). Below it the body is treated as a
 // solid.
 constexpr double kMinOutsideShare = 0.05;
@@ -52,8 +51,7 @@ std::vector<Eigen::Vector3d> spread(const std::vector<Eigen::Vector3d>& points, 
   std::vector<double> distance(points.size(), 0.0);
   for (size_t i = 0; i < points.size(); ++i) distance[i] = (points[i] - centre).squaredNorm();
   while (chosen.size() < std::min(most, points.size())) {
-    const size_t best =
-        static_cast<size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    const auto best = static_cast<size_t>(std::ranges::max_element(distance) - distance.begin());
     if (!chosen.empty() && distance[best] <= 0.0) break;
     chosen.push_back(points[best]);
     for (size_t i = 0; i < points.size(); ++i) {
@@ -65,21 +63,15 @@ std::vector<Eigen::Vector3d> spread(const std::vector<Eigen::Vector3d>& points, 
 }
 
 std::vector<BreakablePiece::SurfacePoints> surface_points(const VoronoiPiece& piece) {
-  std::vector<uint32_t> bonds(piece.triangle_bond.begin(), piece.triangle_bond.end());
-  std::sort(bonds.begin(), bonds.end());
-  bonds.erase(std::unique(bonds.begin(), bonds.end()), bonds.end());
+  const std::set<uint32_t> bonds(piece.triangle_bond.begin(), piece.triangle_bond.end());
   std::vector<BreakablePiece::SurfacePoints> surface;
   for (const uint32_t bond : bonds) {
     const TriangleMesh face = triangles_on(piece, bond);
-    double area = 0.0;
-    for (const auto& [a, b, c] : face.triangles) {
-      const Eigen::Vector3d& corner = face.vertices_m[a];
-      area += 0.5 * (face.vertices_m[b] - corner).cross(face.vertices_m[c] - corner).norm();
-    }
-    const size_t most = bond == kNoBond ? kOutsidePoints : kFacePoints;
+    const size_t most = kPieceDetail.max_points / (bond == kNoBond ? 3 : 8);  // 8: of a cut face
     // A sliver has almost no area; its length bounds the number of points.
     const double least = mesh_bounds_m(face).diagonal().norm() / (kSliverPoints * static_cast<double>(most));
-    const double spacing = std::max(std::sqrt(area / static_cast<double>(most)), least) + 1e-9;
+    const double spacing =
+        std::max(std::sqrt(surface_area_m2(face) / static_cast<double>(most)), least) + 1e-9;
     surface.push_back({bond, spread(contact_points(face, spacing), piece.mass.centre_of_mass_m, most)});
   }
   return surface;
@@ -94,34 +86,25 @@ MassProperties outside_mass(const VoronoiPiece& piece) {
 }
 
 bool has_outside(const VoronoiPiece& piece) {
-  const TriangleMesh outside = triangles_on(piece, kNoBond);
-  double area = 0.0;
-  for (const auto& [a, b, c] : outside.triangles) {
-    const Eigen::Vector3d& corner = outside.vertices_m[a];
-    area += 0.5 * (outside.vertices_m[b] - corner).cross(outside.vertices_m[c] - corner).norm();
-  }
-  return area > kMinOutsideShare * std::pow(piece.mass.volume_m3, 2.0 / 3.0);
+  return surface_area_m2(triangles_on(piece, kNoBond)) >
+         kMinOutsideShare * std::pow(piece.mass.volume_m3, 2.0 / 3.0);
 }
 
 }  // namespace
 
 Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh& mesh, Fill fill,
                                                               const BreakableOptions& options) {
-  SeedOptions seeding;
-  seeding.count = options.piece_count;
-  seeding.seed = options.seed;
-  const auto seeds = fracture_seeds(mesh, seeding);
+  const auto seeds =
+      fracture_seeds(mesh, {.count = options.piece_count, .seed = options.seed, .impacts_m = {}});
   if (!seeds) return seeds.error();
-  CutOptions cutting;
-  cutting.stop = options.stop;
-  auto cut = cut_voronoi_pieces(mesh, *seeds, cutting);
+  auto cut = cut_voronoi_pieces(mesh, *seeds, {.stop = options.stop});
   if (!cut) return cut.error();
 
   auto prepared = std::make_shared<BreakablePieces>();
   prepared->cut = std::move(*cut);
   const std::vector<VoronoiPiece>& pieces = prepared->cut.pieces;
   const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) && !has_hollow(mesh) &&
-                     std::all_of(pieces.begin(), pieces.end(), has_outside);
+                     std::ranges::all_of(pieces, has_outside);
   prepared->pieces.resize(pieces.size());
   parallel_for(pieces.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -174,9 +157,8 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
   shape.min_m.setConstant(INFINITY);
   shape.max_m.setConstant(-INFINITY);
   const auto within = [&](uint32_t bond) {
-    return bond != kNoBond &&
-           std::binary_search(members.begin(), members.end(), pieces.cut.bonds[bond].first) &&
-           std::binary_search(members.begin(), members.end(), pieces.cut.bonds[bond].second);
+    return bond != kNoBond && std::ranges::binary_search(members, pieces.cut.bonds[bond].first) &&
+           std::ranges::binary_search(members, pieces.cut.bonds[bond].second);
   };
   for (const uint32_t member : members) {
     const BreakablePiece& piece = pieces.pieces[member];

@@ -7,10 +7,9 @@
 
 #include "physics/rigid/rigid_body.h"
 
-// Elastic recoil of fragments. An impact strains a body before it breaks; at fracture both sides of a crack
-// spring back. Every face fails at the strength of the material, and a free surface released from the stress
-// s recoils at s / (rho c) (Kolsky 1953, Stress waves in solids), so the impulse on a face is proportional to
-// its area. Its magnitude follows from the energy, a fraction of the kinetic energy lost in the impact.
+// Elastic recoil of fragments: at fracture both sides of a strained crack spring back. A free surface
+// released from the stress s, the strength of the material, recoils at s / (rho c) (Kolsky 1953, Stress waves
+// in solids), so the impulse on a face is proportional to its area. Its magnitude follows from the energy.
 
 namespace livegs {
 

@@ -8,9 +8,8 @@
 namespace livegs {
 namespace {
 
-// The rotation of the y-z difference per step is at most kMaxSplitTurn_rad (rad). At more than
-// kMaxRotationSteps steps the body rotates too fast to be resolved visually.
-constexpr double kMaxSplitTurn_rad = 0.05, kMaxRotationSteps = 64.0;
+// Rotation of the y-z difference per step.
+constexpr double kMaxSplitTurn_rad = 0.05;
 
 }  // namespace
 
@@ -51,7 +50,7 @@ Eigen::Quaterniond rotate_freely(const Eigen::Quaterniond& orientation, const Pr
   const double reference = axes.inverse_moments.z();
   const double spin = axes.inverse_moments.x() - reference, unlike = axes.inverse_moments.y() - reference;
   const double parts = std::ceil(duration_s * momentum.norm() * std::abs(unlike) / kMaxSplitTurn_rad);
-  const int steps = static_cast<int>(std::clamp(parts, 1.0, kMaxRotationSteps));
+  const int steps = static_cast<int>(std::clamp(parts, 1.0, 64.0));  // a faster turn is not visible
   const double step_s = duration_s / steps;
   const Eigen::Quaterniond ball = rotation_exp(step_s * reference * momentum);
   Eigen::Quaterniond turned = orientation * axes.body_from_axes;

@@ -74,12 +74,10 @@ Vector3d solve_inertia(const Matrix3d& inertia, const Vector3d& l) {
 }
 
 Quaterniond extract_rotation(const Matrix3d& matrix, const Quaterniond& warm) {
-  // Iteration limit; Newton from a close start needs few.
-  constexpr int kMaxTurns = 40;
   const double size = matrix.norm();
   if (!(size > 0.0)) return warm;
   Quaterniond q = warm;
-  for (int i = 0; i < kMaxTurns; ++i) {
+  for (int i = 0; i < 40; ++i) {  // Newton from a close start needs few
     const Matrix3d m = q.toRotationMatrix().transpose() * matrix / size;
     const Vector3d tau(m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1));
     const Matrix3d k = m.trace() * Matrix3d::Identity() - 0.5 * (m + m.transpose());

@@ -3,8 +3,21 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace livegs {
+namespace {
+
+std::optional<double> sphere_distance(const Eigen::Vector3d& from_centre, const Eigen::Vector3d& direction,
+                                      double radius) {
+  const double along = from_centre.dot(direction);
+  const double square = along * along - from_centre.squaredNorm() + radius * radius;
+  if (square < 0.0) return std::nullopt;
+  const double distance = -along - std::sqrt(square);
+  return distance >= 0.0 ? std::optional(distance) : std::nullopt;
+}
+
+}  // namespace
 
 void RigidBody::update_turning() {
   const Eigen::Matrix3d inverse = rotated_tensor(world_from_body.orientation, inverse_inertia_body());
@@ -27,11 +40,26 @@ void RigidBody::wake() {
 void RigidBody::sleep(uint64_t group) {
   asleep = true;
   sleep_group = group;
+  stop();
+}
+
+void RigidBody::stop() {
   velocity_m_s.setZero();
   angular_momentum.setZero();
   substep_velocity_m_s.setZero();
   substep_acceleration_m_s2.setZero();
   update_turning();
+}
+
+void RigidBody::record_force(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m) {
+  if (can_break) impacts.record_force(world_from_body.orientation, impulse_n_s, arm_m);
+}
+
+void RigidBody::record_joint(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m,
+                             ImpulseKind kind, double remaining_s) {
+  if (!can_break || asleep) return;
+  impacts.record_joint(world_from_body.orientation, impulse_n_s, point_m - world_from_body.position_m, kind,
+                       remaining_s);
 }
 
 void RigidBody::set_angular_velocity(const Eigen::Vector3d& velocity_rad_s) {
@@ -56,8 +84,7 @@ Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
   Eigen::Vector3d late = has_body_contact || joints ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2)
                                                     : velocity_m_s - substep_velocity_m_s;
   for (const ContactManifold& manifold : manifolds) {
-    for (int i = 0; i < manifold.point_count; ++i) {
-      const ContactPoint& point = manifold.points[i];
+    for (const ContactPoint& point : manifold.used()) {
       if (point.impulse_n_s > 0.0) late -= point.normal.dot(late) * point.normal;
     }
   }
@@ -83,14 +110,35 @@ double max_approach_m_s(const RigidBody& a, const RigidBody& b) {
          b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m;
 }
 
-double three_point_speed_m_s(const RigidBody& body) {
-  const Eigen::Matrix3d axes = body.world_from_body.orientation.toRotationMatrix();
-  double fastest = body.velocity_m_s.norm();
-  for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::Vector3d arm = body.shape.bounding_radius_m * axes.col(axis);
-    fastest = std::max(fastest, (body.velocity_m_s + body.angular_velocity_rad_s.cross(arm)).norm());
+// Möller, Trumbore 1997, Fast minimum storage ray/triangle intersection.
+std::optional<double> ray_cast(const RigidBody& body, const Eigen::Vector3d& origin_m,
+                               const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d from_centre = origin_m - body.world_from_body.position_m;
+  if (body.shape.is_ball()) return sphere_distance(from_centre, direction, body.shape.sphere_radius_m);
+  const double radius = body.shape.bounding_radius_m;
+  if (from_centre.cross(direction).norm() > radius || from_centre.dot(direction) > radius)
+    return std::nullopt;
+
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  const Eigen::Vector3d origin = body_from_world * from_centre, ray = body_from_world * direction;
+  std::optional<double> nearest;
+  for (const auto& triangle : body.shape.mesh.triangles) {
+    const Eigen::Vector3d& corner = body.shape.mesh.vertices_m[triangle[0]];
+    const Eigen::Vector3d ab = body.shape.mesh.vertices_m[triangle[1]] - corner;
+    const Eigen::Vector3d ac = body.shape.mesh.vertices_m[triangle[2]] - corner;
+    const Eigen::Vector3d p = ray.cross(ac);
+    const double determinant = ab.dot(p);
+    if (determinant <= 0.0) continue;  // parallel or back-facing
+    const Eigen::Vector3d t = origin - corner;
+    const double u = t.dot(p);
+    if (u < 0.0 || u > determinant) continue;
+    const Eigen::Vector3d q = t.cross(ab);
+    const double v = ray.dot(q);
+    if (v < 0.0 || u + v > determinant) continue;
+    const double distance = ac.dot(q) / determinant;
+    if (distance >= 0.0 && (!nearest || distance < *nearest)) nearest = distance;
   }
-  return fastest;
+  return nearest;
 }
 
 }  // namespace livegs

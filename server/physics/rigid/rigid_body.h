@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/pose.h"
@@ -18,6 +19,15 @@ namespace livegs {
 
 class JointGroup;
 struct RigidSpring;
+
+// World frame, at one time. Moments are about the centre of mass.
+struct RigidMotion {
+  Eigen::Vector3d velocity_m_s, angular_momentum, angular_velocity_rad_s, position_m;
+
+  double kinetic_j(double mass_kg) const {
+    return 0.5 * (mass_kg * velocity_m_s.squaredNorm() + angular_velocity_rad_s.dot(angular_momentum));
+  }
+};
 
 // A rigid body or ball. World frame unless a name says body; the body's origin is its centre of mass. Used by
 // one thread at a time. The velocity solver changes velocity, angular velocity and angular momentum together
@@ -74,7 +84,7 @@ struct RigidBody {
   ImpactRecord impacts;
   double tick_energy_j = 0.0;  // kinetic and potential energy at the start of the tick
 
-  // Unique in a world and ascending in its list of bodies; below kColliderBit.
+  // Unique in a world and ascending in its list of bodies; below 2^40.
   uint64_t body_id() const { return body_id_of(object_id, body_index); }
 
   // Arm of a material point (object frame at rest) from the centre of mass, world axes.
@@ -92,6 +102,7 @@ struct RigidBody {
     return velocity_m_s + angular_velocity_rad_s.cross(arm_m);
   }
   void wake();
+  void stop();
   // Stops the body and puts it to sleep together with the other bodies of `group`.
   void sleep(uint64_t group);
   void set_unit_inertia(const Eigen::Matrix3d& of_one_kg);
@@ -101,24 +112,35 @@ struct RigidBody {
   // Applies an impulse at `arm_m` from the centre of mass.
   void apply_impulse(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m);
   void apply_angular_impulse(const Eigen::Vector3d& impulse);
-  // Integrates the pose. Without contact the displacement uses the mean of the velocities before and after
-  // the substep (exact for constant acceleration, including sliding). Along the normals of pushing contacts
-  // it uses the velocity after. Impulses between two bodies and springs also act with the velocity
-  // after, which conserves angular momentum.
+  // Integrates the pose with the mean of the velocities before and after the substep (exact for constant
+  // acceleration, including sliding). Along the normals of pushing contacts, and for impulses between two
+  // bodies and of springs, it uses the velocity after, which conserves angular momentum.
   void move(double duration_s);
   // Predictions of move() for the current velocities.
   Eigen::Vector3d mean_velocity(double duration_s) const;  // of the centre of mass
   Eigen::Quaterniond orientation_after(double duration_s) const;
 
-  double kinetic_j() const {
-    return 0.5 * (mass_kg * velocity_m_s.squaredNorm() + angular_velocity_rad_s.dot(angular_momentum));
+  RigidMotion motion() const {
+    return {velocity_m_s, angular_momentum, angular_velocity_rad_s, world_from_body.position_m};
   }
+  double kinetic_j() const { return motion().kinetic_j(mass_kg); }
+  // Records impulses (world axes) that may break the body: of forces at an arm from the centre of mass, and
+  // of joints, of an awake body, at a point.
+  void record_force(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m);
+  void record_joint(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m, ImpulseKind kind,
+                    double remaining_s);
 };
+
+// Rotation of a body in one part of a substep, rad: of the smaller body of a fast pair after a corner is
+// stopped, of a link of a joint group. Smaller: more parts.
+inline constexpr double kMaxTurn_rad = 0.25;
 
 // Bound of the speed at which points of two bodies approach.
 double max_approach_m_s(const RigidBody& a, const RigidBody& b);
 
-// Maximum speed of the centre of mass and of two points at right angles on the bounding sphere.
-double three_point_speed_m_s(const RigidBody& body);
+// Distance along the unit `direction` to the first front-facing surface of the body: its triangles, or the
+// sphere of a ball. nullopt if the ray misses or starts inside a ball.
+std::optional<double> ray_cast(const RigidBody& body, const Eigen::Vector3d& origin_m,
+                               const Eigen::Vector3d& direction);
 
 }  // namespace livegs

@@ -13,25 +13,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Enlargement of boxes. Larger: fewer updates, more pairs.
-constexpr double kBoxMargin = 0.05;        // relative to the bounding radius
-constexpr double kExpectedSubsteps = 8.0;  // substeps of motion at the current speed
+// Substeps of motion at the current speed that boxes are enlarged by. Larger: fewer updates, more pairs.
+constexpr double kExpectedSubsteps = 8.0;
 
-// Box swept by the body in `time_s`, including rotation.
-void body_box(const RigidBody& body, double margin_m, double time_s, double gravity_m_s2, Vector3d& low,
-              Vector3d& high) {
+// Box swept by the body in `time_s`, including rotation. `margin` is relative to the bounding radius.
+Eigen::AlignedBox3d swept_box(const RigidBody& body, double margin, double time_s, double gravity_m_s2) {
   const double radius = body.shape.bounding_radius_m;
-  Vector3d half = Vector3d::Constant(radius), middle = body.world_from_body.position_m;
-  if (!body.shape.is_ball()) {
-    const Eigen::Matrix3d rotation = body.world_from_body.orientation.toRotationMatrix();
-    middle += rotation * (0.5 * (body.shape.min_m + body.shape.max_m));
-    half = rotation.cwiseAbs() * (0.5 * (body.shape.max_m - body.shape.min_m));
-  }
+  const Pose& pose = body.world_from_body;
+  auto [middle, half] = turned_box(body.shape, pose.orientation.toRotationMatrix(), pose.position_m);
   const double turn = std::min(2.0, time_s * body.angular_velocity_rad_s.norm()) * radius;
-  half.array() += margin_m + turn + 0.5 * gravity_m_s2 * time_s * time_s;
+  half.array() += margin * radius + turn + 0.5 * gravity_m_s2 * time_s * time_s;
   const Vector3d displacement = time_s * body.velocity_m_s;
-  low = middle - half + displacement.cwiseMin(0.0);
-  high = middle + half + displacement.cwiseMax(0.0);
+  return {middle - half + displacement.cwiseMin(0.0), middle + half + displacement.cwiseMax(0.0)};
 }
 
 }  // namespace
@@ -45,10 +38,7 @@ void RigidBroadPhase::update(std::span<RigidBody* const> bodies, double gravity_
   bool good = known_ && boxes_.size() == bodies.size();
   for (size_t i = 0; good && i < bodies.size(); ++i) {
     if (bodies[i]->asleep) continue;
-    Vector3d low, high;
-    body_box(*bodies[i], kContactMargin * bodies[i]->shape.bounding_radius_m, duration_s, gravity_m_s2, low,
-             high);
-    good = (low.array() >= boxes_[i].low.array()).all() && (high.array() <= boxes_[i].high.array()).all();
+    good = boxes_[i].contains(swept_box(*bodies[i], kContactMargin, duration_s, gravity_m_s2));
   }
   if (good) return;
   known_ = true;
@@ -56,49 +46,37 @@ void RigidBroadPhase::update(std::span<RigidBody* const> bodies, double gravity_
     order_.resize(bodies.size());
     std::iota(order_.begin(), order_.end(), 0u);
   }
-  boxes_.resize(bodies.size());
-  for (size_t i = 0; i < bodies.size(); ++i) {
-    Box& box = boxes_[i];
-    box.body = bodies[i];
-    body_box(*box.body, kBoxMargin * box.body->shape.bounding_radius_m, kExpectedSubsteps * duration_s,
-             gravity_m_s2, box.low, box.high);
+  boxes_.clear();
+  for (RigidBody* body : bodies) {
+    boxes_.push_back(swept_box(*body, 5.0 * kContactMargin, kExpectedSubsteps * duration_s, gravity_m_s2));
+    body->near.clear();
   }
-  find_pairs();
+  find_pairs(bodies);
 }
 
-void RigidBroadPhase::find_pairs() {
+void RigidBroadPhase::find_pairs(std::span<RigidBody* const> bodies) {
   // Sorts along the axis of the largest variance.
   Vector3d mean = Vector3d::Zero(), square = Vector3d::Zero();
-  for (const Box& box : boxes_) {
-    const Vector3d middle = 0.5 * (box.low + box.high);
+  for (const Eigen::AlignedBox3d& box : boxes_) {
+    const Vector3d middle = 0.5 * (box.min() + box.max());
     mean += middle;
     square += middle.cwiseProduct(middle);
   }
   (square * static_cast<double>(boxes_.size()) - mean.cwiseProduct(mean)).maxCoeff(&axis_);
-  std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
-    const double low_a = boxes_[a].low[axis_], low_b = boxes_[b].low[axis_];
-    return low_a != low_b ? low_a < low_b : a < b;
-  });
-  for (const Box& box : boxes_) box.body->near.clear();
+  std::ranges::sort(order_, {}, [&](uint32_t i) { return std::pair(boxes_[i].min()[axis_], i); });
   for (size_t i = 0; i < order_.size(); ++i) {
-    const Box& first = boxes_[order_[i]];
+    const Eigen::AlignedBox3d& box = boxes_[order_[i]];
+    RigidBody& first = *bodies[order_[i]];
     for (size_t k = i + 1; k < order_.size(); ++k) {
-      const Box& second = boxes_[order_[k]];
-      if (second.low[axis_] > first.high[axis_]) break;
-      if (first.body->asleep && second.body->asleep) continue;
-      if ((first.low.array() > second.high.array()).any() || (second.low.array() > first.high.array()).any())
-        continue;
-      if (owns_pair(*first.body, *second.body)) {
-        first.body->near.push_back(second.body);
-      } else {
-        second.body->near.push_back(first.body);
-      }
+      const Eigen::AlignedBox3d& other = boxes_[order_[k]];
+      RigidBody& second = *bodies[order_[k]];
+      if (other.min()[axis_] > box.max()[axis_]) break;
+      if ((first.asleep && second.asleep) || !box.intersects(other)) continue;
+      const bool owner = owns_pair(first, second);
+      (owner ? first : second).near.push_back(owner ? &second : &first);
     }
   }
-  for (const Box& box : boxes_) {
-    std::sort(box.body->near.begin(), box.body->near.end(),
-              [](const RigidBody* a, const RigidBody* b) { return a->body_id() < b->body_id(); });
-  }
+  for (RigidBody* body : bodies) std::ranges::sort(body->near, {}, &RigidBody::body_id);
 }
 
 }  // namespace livegs

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,15 +22,11 @@ class RigidBroadPhase {
   void invalidate() { known_ = false; }
 
  private:
-  struct Box {
-    Eigen::Vector3d low, high;
-    RigidBody* body = nullptr;
-  };
-  void find_pairs();
+  void find_pairs(std::span<RigidBody* const> bodies);
 
   bool known_ = false;
-  std::vector<Box> boxes_;       // parallel to `bodies`
-  std::vector<uint32_t> order_;  // indices of boxes_, sorted by the lower end along axis_
+  std::vector<Eigen::AlignedBox3d> boxes_;  // parallel to `bodies`
+  std::vector<uint32_t> order_;             // indices of boxes_, sorted by the lower end along axis_
   int axis_ = 0;
 };
 

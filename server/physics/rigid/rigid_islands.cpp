@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 
 #include "core/disjoint_sets.h"
 #include "physics/rigid/joint/joint_group.h"
@@ -17,11 +18,9 @@ constexpr double kNearlyTouching_m = 2.5e-4;
 }  // namespace
 
 bool is_touching(const ContactManifold& manifold) {
-  for (int i = 0; i < manifold.point_count; ++i) {
-    if (manifold.points[i].impulse_n_s > 0.0 || manifold.points[i].separation_m <= kNearlyTouching_m)
-      return true;
-  }
-  return false;
+  return std::ranges::any_of(manifold.used(), [](const ContactPoint& point) {
+    return point.impulse_n_s > 0.0 || point.separation_m <= kNearlyTouching_m;
+  });
 }
 
 std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, IslandLink link,
@@ -59,9 +58,8 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
     }
   }
   for (RigidIsland& island : islands) {
-    std::stable_sort(island.bodies.begin(), island.bodies.end(), [&](const RigidBody* a, const RigidBody* b) {
-      return gravity_m_s2.dot(a->world_from_body.position_m) >
-             gravity_m_s2.dot(b->world_from_body.position_m);
+    std::ranges::stable_sort(island.bodies, std::greater(), [&](const RigidBody* body) {
+      return gravity_m_s2.dot(body->world_from_body.position_m);
     });
     for (RigidBody* body : island.bodies) {
       for (ContactManifold& manifold : body->manifolds) island.contacts.push_back({body, &manifold});

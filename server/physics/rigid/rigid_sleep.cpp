@@ -10,6 +10,18 @@
 #include "physics/rigid/rigid_islands.h"
 
 namespace livegs {
+namespace {
+
+// Of the centre of mass and two points at right angles on the bounding sphere.
+double three_point_speed_m_s(const RigidBody& body) {
+  const Eigen::Matrix3d axes = body.world_from_body.orientation.toRotationMatrix();
+  const auto speed = [&](int axis) {
+    return body.point_velocity(body.shape.bounding_radius_m * axes.col(axis)).norm();
+  };
+  return std::max({body.velocity_m_s.norm(), speed(0), speed(1)});
+}
+
+}  // namespace
 
 double sleep_speed_m_s(const RigidShape& shape) {
   return kSleepSpeed_m_s * std::sqrt(std::min(1.0, 2.0 * shape.bounding_radius_m));
@@ -27,7 +39,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
     body->still_s = still ? body->still_s + tick_s : 0.0;
   }
   for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingManifold, Eigen::Vector3d::Zero())) {
-    const bool still = std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) {
+    const bool still = std::ranges::all_of(island.bodies, [](const RigidBody* body) {
       return body->still_s >= kTimeToSleep_s && !body->island_awake;
     });
     if (!still) continue;
@@ -48,7 +60,7 @@ bool wake_groups(std::span<RigidBody* const> bodies) {
   }
   if (woken.empty()) return false;
   for (RigidBody* body : bodies) {
-    if (!body->asleep || std::find(woken.begin(), woken.end(), body->sleep_group) == woken.end()) continue;
+    if (!body->asleep || std::ranges::find(woken, body->sleep_group) == woken.end()) continue;
     body->wake();
     body->sleep_group = 0;
   }

@@ -12,7 +12,7 @@
 
 namespace livegs {
 
-// Sleep criterion: in contact and slower than this at three points (three_point_speed_m_s) for
+// Sleep criterion: in contact and slower than this at three points for
 // kTimeToSleep_s. The speed is for a size of 1 m (Jolt's value) and scales with the square root of size
 // below, like speeds under gravity. Larger: bodies sleep earlier and may stop while moving visibly.
 inline constexpr double kSleepSpeed_m_s = 0.03;

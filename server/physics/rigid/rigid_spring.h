@@ -9,10 +9,9 @@ namespace livegs {
 struct RigidBody;
 
 // A damped spring from a point of a rigid body to a moving target; for grabs also from the body's orientation
-// to a target orientation. Solved implicitly as soft constraint rows together with gravity, contacts and
-// joints, so it is stable for any stiffness and mass, and at rest the force is stiffness times stretch.
-// Damping is critical for the effective mass at the point. Force and torque are bounded for any target
-// motion.
+// to a target orientation. Solved implicitly together with gravity, contacts and joints, so it is stable for
+// any stiffness and mass. Damping is critical for the effective mass at the point. Force and torque are
+// bounded for any target motion.
 struct RigidSpring {
   Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();  // object frame
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero(), target_velocity_m_s = Eigen::Vector3d::Zero();

@@ -16,7 +16,6 @@
 #include "physics/rigid/rigid_islands.h"
 #include "physics/rigid/rigid_sleep.h"
 #include "physics/rigid/rigid_spring.h"
-#include "physics/rigid/step_plan.h"
 
 namespace livegs {
 namespace {
@@ -27,12 +26,9 @@ namespace {
 constexpr int kSolverSteps = 4;
 constexpr int kRelaxIterations = 2;  // with one, large piles do not come to rest
 
-constexpr int kMaxWarnings = 10;  // per process
-
 // Whether the manifold will push within the substep. The last relax sweep looks ahead one more step.
 bool will_touch(const RigidBody& owner, const ContactManifold& manifold, double duration_s) {
-  for (int i = 0; i < manifold.point_count; ++i) {
-    const ContactPoint& point = manifold.points[i];
+  for (const ContactPoint& point : manifold.used()) {
     Eigen::Vector3d velocity = owner.point_velocity(point.arm_a_m);
     if (manifold.other) {
       const Eigen::Vector3d between =
@@ -72,20 +68,12 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
 // Records loads of springs and joints, which strain a body like contacts.
 void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
   for (RigidBody* body : island.bodies) {
-    if (!body->can_break) continue;
     for (const RigidSpring* spring : body->springs)
-      body->impacts.record_force(body->world_from_body.orientation, step_s * spring->force_n, spring->arm_m);
+      body->record_force(step_s * spring->force_n, spring->arm_m);
   }
-  const auto note = [&](RigidBody* body, const Eigen::Vector3d& force_n, const Eigen::Vector3d& anchor_m) {
-    if (!body || !body->can_break || body->asleep) return;
-    body->impacts.record_joint(body->world_from_body.orientation, step_s * force_n,
-                               anchor_m - body->world_from_body.position_m, ImpulseKind::Support, 0.0);
-  };
   for (const JointGroup* group : joints) {
-    for (const RigidJoint& joint : group->joints()) {
-      note(joint.a, joint.force_n, joint.world_anchor_a());
-      note(joint.b, -joint.force_n, joint.world_anchor_b());
-    }
+    for (const RigidJoint& joint : group->joints())
+      joint.record(step_s * joint.force_n, ImpulseKind::Support, 0.0);
   }
 }
 
@@ -96,11 +84,11 @@ void mark_contacts(RigidBody& body, ContactManifold& manifold) {
   if (!manifold.other->asleep) manifold.other->has_body_contact = manifold.other->pushed_by_owner = true;
 }
 
-bool has_finite_motion(const RigidBody& body) {
-  const Pose& pose = body.world_from_body;
-  return body.velocity_m_s.squaredNorm() < kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
+bool has_finite_motion(const RigidBody* body) {
+  const Pose& pose = body->world_from_body;
+  return body->velocity_m_s.squaredNorm() < kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
          is_valid_position(pose.position_m) && pose.orientation.coeffs().allFinite() &&
-         body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
+         body->angular_momentum.allFinite() && body->angular_velocity_rad_s.allFinite();
 }
 
 // Restores the start of the substep, at rest, for a diverged island. Otherwise non-finite values would spread
@@ -108,28 +96,22 @@ bool has_finite_motion(const RigidBody& body) {
 void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
                               std::span<JointGroup* const> joints) {
   static std::atomic<int> warnings{0};
-  const auto lost = std::find_if(island.bodies.begin(), island.bodies.end(),
-                                 [](const RigidBody* body) { return !has_finite_motion(*body); });
-  if (warnings.fetch_add(1) < kMaxWarnings) {
+  const auto lost = std::ranges::find_if_not(island.bodies, has_finite_motion);
+  if (warnings.fetch_add(1) < 10) {
     log_warn(
         "object %u: motion diverged; its island is stopped at the last valid poses. Check for overlapping "
-        "parts "
-        "and large mass ratios, or increase substeps",
+        "parts and large mass ratios, or increase substeps",
         (*lost)->object_id);
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
     RigidBody& body = *island.bodies[i];
     body.world_from_body = poses[i];
-    body.velocity_m_s.setZero();
-    body.angular_momentum.setZero();
-    body.substep_velocity_m_s.setZero();
-    body.substep_acceleration_m_s2.setZero();
+    body.stop();
     body.manifolds.clear();
     body.previous_manifolds.clear();
     body.impacts = ImpactRecord();
     body.contact_impulse_n_s = body.external_contact_impulse_n_s = 0.0;
     body.external_contact_moment.setZero();
-    body.update_turning();
   }
   for (JointGroup* group : joints) group->reset_impulses();
 }
@@ -147,8 +129,8 @@ void solve_island(RigidIsland& island, double duration_s, int steps) {
   std::vector<Pose> poses;
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
-  const bool has_springs = std::any_of(island.bodies.begin(), island.bodies.end(),
-                                       [](const RigidBody* body) { return !body->springs.empty(); });
+  const bool has_springs =
+      std::ranges::any_of(island.bodies, [](const RigidBody* body) { return !body->springs.empty(); });
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
   ContactLanes contacts(island, step_s);
   // Joints and springs push the bodies themselves.
@@ -163,9 +145,8 @@ void solve_island(RigidIsland& island, double duration_s, int steps) {
     contacts.load_motion();
     contacts.prepare();
     if (contacts.any_impact()) {
-      contacts.store_impulses();
+      contacts.store_points();
       contacts.store_friction();
-      contacts.store_separations();
       resolve_impacts(island, joints, step_s, (steps - step) * step_s);
     }
     for (RigidBody* body : island.bodies) {
@@ -188,13 +169,13 @@ void solve_island(RigidIsland& island, double duration_s, int steps) {
         for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
       }
       if (joints.empty()) return;
-      contacts.store_impulses();
+      contacts.store_points();
       each(mark_contacts);
       for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
     });
     contacts.update_separations();
     contacts.store_motion();
-    contacts.store_impulses();
+    contacts.store_points();
     each(mark_contacts);
     for (RigidBody* body : island.bodies) {
       if (!body->joints) body->move(step_s);
@@ -212,7 +193,7 @@ void solve_island(RigidIsland& island, double duration_s, int steps) {
       });
     }
     contacts.store_motion();
-    contacts.store_impulses();
+    contacts.store_points();
     contacts.store_friction();
     for (JointGroup* group : joints) group->end(step_s);
     each([](RigidBody& body, ContactManifold& manifold) {
@@ -220,14 +201,10 @@ void solve_island(RigidIsland& island, double duration_s, int steps) {
     });
     record_held_loads(island, joints, step_s);
   }
-  contacts.store_separations();
   if (steps != kSolverSteps) {
     each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
   }
-  if (!std::all_of(island.bodies.begin(), island.bodies.end(),
-                   [](const RigidBody* body) { return has_finite_motion(*body); })) {
-    restore_last_valid_state(island, poses, joints);
-  }
+  if (!std::ranges::all_of(island.bodies, has_finite_motion)) restore_last_valid_state(island, poses, joints);
   for (RigidBody* body : island.bodies) body->impacts.end_substep(duration_s);
 }
 
@@ -237,9 +214,9 @@ void solve_with_detections(RigidIsland& island, std::span<const Collider> collid
                            double duration_s, int parts) {
   const double part_s = duration_s / parts;
   std::vector<const RigidBody*> members(island.bodies.begin(), island.bodies.end());
-  std::sort(members.begin(), members.end());
+  std::ranges::sort(members);
   const auto elsewhere = [&](const RigidBody* body) {
-    return !body->asleep && !std::binary_search(members.begin(), members.end(), body);
+    return !body->asleep && !std::ranges::binary_search(members, body);
   };
   std::vector<std::vector<RigidBody*>> near;
   for (RigidBody* body : island.bodies) {
@@ -273,7 +250,7 @@ void solve_with_detections(RigidIsland& island, std::span<const Collider> collid
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
                        std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2,
                        double duration_s, RigidBroadPhase& broad_phase) {
-  if (std::all_of(bodies.begin(), bodies.end(), [](const RigidBody* body) { return body->asleep; })) return;
+  if (std::ranges::all_of(bodies, &RigidBody::asleep)) return;
   if (wake_groups(bodies)) broad_phase.invalidate();
   std::vector<char> accelerated(bodies.size(), 0);
   const auto accelerate_awake = [&] {
@@ -290,8 +267,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
 
   std::vector<RigidBody*> active;  // awake, or owner of a pair with an awake body
   for (RigidBody* body : bodies) {
-    const auto awake = [](const RigidBody* other) { return !other->asleep; };
-    if (!body->asleep || std::any_of(body->near.begin(), body->near.end(), awake)) active.push_back(body);
+    if (!body->asleep || !std::ranges::all_of(body->near, &RigidBody::asleep)) active.push_back(body);
   }
   parallel_for(active.size(), 8, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
@@ -307,8 +283,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
       const auto may_touch_awake = [](const ContactManifold& manifold) {
         return manifold.other && !manifold.other->asleep;
       };
-      if (!body->asleep || std::any_of(body->manifolds.begin(), body->manifolds.end(), may_touch_awake))
-        active.push_back(body);
+      if (!body->asleep || std::ranges::any_of(body->manifolds, may_touch_awake)) active.push_back(body);
     }
   }
 

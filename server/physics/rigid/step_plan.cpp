@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "physics/rigid/step_plan.h"
-
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "physics/ablation/ablation.h"
+#include "physics/collision/contact_candidate.h"
 #include "physics/rigid/contact/contact_solver.h"
+#include "physics/rigid/rigid_islands.h"
 
 namespace livegs {
 namespace {
@@ -17,17 +18,11 @@ constexpr double kMaxSag = 5e-4;
 // the sag at its foot exceeds 3.4 r³/H² (Greenhill's column with the rotational stiffness of four springs at
 // the corners of a cube). One sweep a step leaves the springs several times softer, hence the smaller number.
 constexpr double kMaxColumnSag = 0.4;
-// Solver steps of a substep. Larger: less sag at high mass ratios and low rates, more time.
-constexpr int kMaxSteps = 128;
-constexpr int kMaxManifoldSolves = 1024;  // manifolds times solver steps, or times sub-intervals
-// Minimum cosine between a supporting normal and the vertical.
-constexpr double kSupportCosine = 0.5;
+// Manifolds times solver steps, or times sub-intervals; eight manifolds or fewer may take an eighth of it,
+// 128 steps. Larger: less sag at high mass ratios and low rates, faster thin pairs are resolved, more time.
+constexpr int kMaxManifoldSolves = 1024;
 
 constexpr double kFastPairThicknesses = 6.0;  // displacement per substep, relative to both thicknesses
-// Rotation of the smaller body per sub-interval after a corner is stopped.
-constexpr double kMaxTurn_rad = 0.25;
-// Maximum number of sub-intervals. Larger: faster thin pairs are resolved, more time.
-constexpr int kMaxDetections = 32;
 
 double thickness_m(const RigidShape& shape) {
   return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m;
@@ -38,7 +33,7 @@ double detections_of_pair(const RigidBody& a, const RigidBody& b, double duratio
   const double displacement = duration_s * max_approach_m_s(a, b);
   if (!(displacement > kFastPairThicknesses * (thickness_m(a.shape) + thickness_m(b.shape)))) return 1.0;
   const double turn = displacement / std::min(a.shape.bounding_radius_m, b.shape.bounding_radius_m);
-  return std::ceil(std::min<double>(kMaxDetections, turn / kMaxTurn_rad));
+  return std::ceil(turn / kMaxTurn_rad);
 }
 
 // A contact that carries weight. `below`: nullptr if static.
@@ -47,7 +42,7 @@ struct Support {
 };
 
 std::vector<Support> supports(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2) {
-  const double upwards = kSupportCosine * gravity_m_s2.norm();
+  const double upwards = kSameSideCosine * gravity_m_s2.norm();
   std::vector<Support> found;
   for (const RigidIsland::Contact& contact : island.contacts) {
     const RigidBody* other = contact.manifold->other;
@@ -76,15 +71,13 @@ double worst_sag(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2,
     const double height_m = -body->world_from_body.position_m.dot(gravity_m_s2) / gravity;
     loads.push_back({body, body->mass_kg, height_m, height_m + body->shape.bounding_radius_m});
   }
-  std::sort(loads.begin(), loads.end(), [](const Load& a, const Load& b) { return a.body < b.body; });
+  std::ranges::sort(loads, {}, &Load::body);
   const auto load_of = [&](const RigidBody* body) -> Load& {
-    return *std::lower_bound(loads.begin(), loads.end(), body,
-                             [](const Load& load, const RigidBody* key) { return load.body < key; });
+    return *std::ranges::lower_bound(loads, body, {}, &Load::body);
   };
   for (const Support& support : carrying) ++load_of(support.above).supports;
-  std::stable_sort(carrying.begin(), carrying.end(), [&](const Support& a, const Support& b) {
-    return load_of(a.above).height_m > load_of(b.above).height_m;
-  });
+  std::ranges::stable_sort(carrying, std::greater(),
+                           [&](const Support& support) { return load_of(support.above).height_m; });
   const double compliance = 1.0 / std::pow(contact_rate_rad_s(step_s), 2);  // sag per kg of load, times mass
   double worst = 0.0;
   for (const Support& support : carrying) {
@@ -121,8 +114,10 @@ StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_
   }
   if (without(Mechanism::DetectionsBySpeed)) detections = 1.0;
   const int manifolds = std::max(1, static_cast<int>(island.contacts.size()));
+  const int most = kMaxManifoldSolves / std::max(8, manifolds);
+  // Each sub-interval takes the usual steps.
+  detections = std::min<double>(detections, kMaxManifoldSolves / 8 / usual_steps);
   plan.detections = std::clamp(kMaxManifoldSolves / manifolds, 1, static_cast<int>(detections));
-  const int most = std::min(kMaxSteps, kMaxManifoldSolves / manifolds);
   if (plan.detections > 1 || most <= usual_steps || without(Mechanism::StepsByLoad)) return plan;
   const double needed = std::ceil(std::sqrt(worst_sag(island, gravity_m_s2, duration_s)));
   plan.steps = static_cast<int>(std::clamp<double>(needed, usual_steps, most));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "physics/world.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,35 +9,93 @@
 #include "core/assert.h"
 #include "physics/check/check_values.h"
 #include "physics/collision/convex_polyhedron.h"
+#include "physics/collision/surface_points.h"
 #include "physics/elastic/factory/make_elastic_body.h"
-#include "physics/world/check_descriptions.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
+namespace {
+
+Result<void> check_mesh(uint32_t id, const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return object_error(id, "the mesh has no triangles");
+  for (const Eigen::Vector3d& vertex : mesh.vertices_m) {
+    if (!vertex.allFinite()) return object_error(id, "a vertex of the mesh is not finite");
+  }
+  for (const auto& triangle : mesh.triangles) {
+    if (std::ranges::max(triangle) >= mesh.vertices_m.size())
+      return object_error(id, "a triangle of the mesh refers to a missing vertex");
+  }
+  return {};
+}
+
+Result<void> check_settings(const WorldSettings& settings) {
+  if (!settings.gravity_m_s2.allFinite()) return invalid_argument("world: gravity_m_s2 is not finite");
+  if (!(settings.rate_hz >= 1.0 && settings.rate_hz <= 1e4)) {
+    return invalid_argument("world: rate_hz " + number_text(settings.rate_hz) + " is outside 1 to 10000");
+  }
+  if (settings.substeps < 1 || settings.substeps > 4096) {
+    return invalid_argument("world: substeps " + std::to_string(settings.substeps) + " is outside 1 to 4096");
+  }
+  return {};
+}
+
+Result<void> check_break_impulse(uint32_t object_id, const Material& material) {
+  // As in scene files. Below the minimum, standing would count as an impact.
+  return check_range(object_id, "break_impulse_n_s", material.break_impulse_n_s, 1e-6, 1e6);
+}
+
+Result<void> check_rigid(const RigidBodyDescription& description) {
+  const uint32_t id = description.object_id;
+  LIVEGS_RETURN_IF_ERROR(check_material(id, description.material));
+  LIVEGS_RETURN_IF_ERROR(check_pose(id, description.world_from_object));
+  LIVEGS_RETURN_IF_ERROR(check_finite(id, "velocity_m_s", description.velocity_m_s));
+  LIVEGS_RETURN_IF_ERROR(check_finite(id, "angular_velocity_rad_s", description.angular_velocity_rad_s));
+  LIVEGS_RETURN_IF_ERROR(check_mesh(id, description.mesh));
+  for (const FrictionBox& one : description.friction_boxes)
+    LIVEGS_RETURN_IF_ERROR(check_range(id, "friction_boxes.factor", one.factor, 0.0, kMaxFrictionFactor));
+  LIVEGS_RETURN_IF_ERROR(check_finite(id, "centre_of_mass_m", description.properties.centre_of_mass_m));
+  const Eigen::Matrix3d& inertia = description.properties.inertia_m2;
+  if (!inertia.allFinite()) return object_error(id, "inertia is not finite");
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia, Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d moments = solver.eigenvalues();  // ascending
+  // The largest moment is at most the sum of the other two; a flat body has equality.
+  if (!(moments[0] > 0.0) || moments[2] > 1.001 * (moments[0] + moments[1])) {
+    return object_error(id, "inertia is not physical; check that the mesh is closed and oriented outwards");
+  }
+  return {};
+}
+
+Result<void> check_ball(const BallDescription& description) {
+  const uint32_t id = description.object_id;
+  LIVEGS_RETURN_IF_ERROR(check_finite(id, "position_m", description.position_m));
+  LIVEGS_RETURN_IF_ERROR(check_finite(id, "velocity_m_s", description.velocity_m_s));
+  LIVEGS_RETURN_IF_ERROR(check_positive(id, "radius_m", description.radius_m));
+  LIVEGS_RETURN_IF_ERROR(check_positive(id, "mass_kg", description.mass_kg));
+  LIVEGS_RETURN_IF_ERROR(check_range(id, "friction", description.friction, 0.0, kMaxFriction));
+  LIVEGS_RETURN_IF_ERROR(check_range(id, "restitution", description.restitution, 0.0, 1.0));
+  return {};
+}
+
+}  // namespace
 
 void WorldObject::sleep() {
   if (RigidObject* object = rigid()) {
-    for (size_t i = 0; i < object->body_count(); ++i)
-      object->body_at(i).sleep(object->body_at(0).body_id() + 1);
+    for (const auto& body : object->bodies) body->sleep(object->bodies[0]->body_id() + 1);
   } else if (ElasticObject* soft = elastic()) {
     soft->body->sleep();
   }
 }
 
 bool WorldObject::asleep() const {
-  if (const RigidObject* object = rigid()) {
-    for (size_t i = 0; i < object->body_count(); ++i) {
-      if (!object->body_at(i).asleep) return false;
-    }
-    return true;
-  }
+  if (const RigidObject* object = rigid())
+    return std::ranges::all_of(object->bodies, [](const auto& body) { return body->asleep; });
   if (const ElasticObject* object = elastic()) return object->body->asleep();
   return true;
 }
 
 void WorldObject::wake() {
   if (RigidObject* object = rigid()) {
-    for (size_t i = 0; i < object->body_count(); ++i) object->body_at(i).wake();
+    for (const auto& body : object->bodies) body->wake();
   } else if (ElasticObject* soft = elastic()) {
     soft->body->wake();
   }
@@ -47,9 +106,10 @@ WorldObject* World::State::find(uint32_t object_id) {
   return found == objects.end() ? nullptr : &found->second;
 }
 
-const WorldObject* World::State::find(uint32_t object_id) const {
-  const auto found = objects.find(object_id);
-  return found == objects.end() ? nullptr : &found->second;
+size_t World::State::rigid_index(uint64_t body_id) const {
+  const auto at = std::ranges::lower_bound(rigid_bodies, body_id, {}, &RigidBody::body_id);
+  const bool found = at != rigid_bodies.end() && (*at)->body_id() == body_id;
+  return found ? static_cast<size_t>(at - rigid_bodies.begin()) : rigid_bodies.size();
 }
 
 void World::State::list_bodies() {
@@ -58,7 +118,7 @@ void World::State::list_bodies() {
   elastic_objects.clear();
   for (auto& [id, object] : objects) {
     if (RigidObject* rigid = object.rigid()) {
-      for (size_t i = 0; i < rigid->body_count(); ++i) rigid_bodies.push_back(&rigid->body_at(i));
+      for (const auto& body : rigid->bodies) rigid_bodies.push_back(body.get());
     }
     if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
   }
@@ -77,6 +137,18 @@ int min_substeps(double rate_hz) {
   return static_cast<int>(std::ceil(1.0 / (rate_hz * kMaxSubstep_s) - 1e-9));
 }
 
+void prepare_body(RigidBodyDescription& description) {
+  if (description.sphere_radius_m > 0.0 || !check_rigid(description)) return;
+  description.shape = std::make_shared<const RigidShape>(
+      mesh_shape(description.mesh, description.properties.centre_of_mass_m));
+}
+
+void prepare_body(ElasticBodyDescription& description) {
+  if (!check_elastic_body(description)) return;
+  description.patches =
+      std::make_shared<const std::vector<SurfacePatch>>(surface_patches(description.particles));
+}
+
 World::World(const WorldSettings& settings) : state_(std::make_unique<State>()) {
   LIVEGS_ASSERT(check_settings(settings).has_value());
   state_->settings = settings;
@@ -93,8 +165,6 @@ StepTimes World::last_times() const { return state_->times; }
 void World::put_to_sleep(uint32_t object_id) {
   if (WorldObject* object = state_->find(object_id)) object->sleep();
 }
-
-void World::add_collider(const Collider& collider) { add_collider(collider, 0); }
 
 void World::add_collider(const Collider& collider, uint32_t object_id) {
   state_->colliders.push_back(collider);
@@ -133,13 +203,16 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   const uint32_t id = description.object_id;
   if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
   if (auto checked = check_rigid(description); !checked) return checked;
+  return state_->add(description);
+}
 
+Result<void> World::State::add(const RigidBodyDescription& description) {
   RigidObject object;
   object.material = description.material;
   object.material.behavior = Behavior::Rigid;
-  object.body = std::make_unique<RigidBody>();
-  RigidBody& body = *object.body;
-  body.object_id = id;
+  object.bodies.push_back(std::make_unique<RigidBody>());
+  RigidBody& body = *object.bodies[0];
+  body.object_id = description.object_id;
   body.rest_centre_m = description.properties.centre_of_mass_m;
   if (description.sphere_radius_m > 0.0) {
     body.shape = ball_shape(description.sphere_radius_m);
@@ -158,8 +231,8 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   body.world_from_body.position_m = body.world_from_body * body.rest_centre_m;
   body.velocity_m_s = description.velocity_m_s;
   body.set_angular_velocity(description.angular_velocity_rad_s);
-  state_->objects[id] = {std::move(object), false};
-  state_->list_bodies();
+  objects[description.object_id] = {std::move(object), false};
+  list_bodies();
   return {};
 }
 
@@ -168,25 +241,17 @@ Result<void> World::add_ball(const BallDescription& description) {
   if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
   if (auto checked = check_ball(description); !checked) return checked;
 
-  RigidObject object;
-  object.material.behavior = Behavior::Rigid;
-  object.material.mass_kg = description.mass_kg;
-  object.material.friction = description.friction;
-  object.material.restitution = description.restitution;
-  object.body = std::make_unique<RigidBody>();
-  RigidBody& body = *object.body;
-  body.object_id = id;
-  body.shape = ball_shape(description.radius_m);
-  body.mass_kg = description.mass_kg;
-  body.set_unit_inertia(0.4 * description.radius_m * description.radius_m * Eigen::Matrix3d::Identity());
-  body.friction.own = description.friction;
-  body.restitution = description.restitution;
-  body.world_from_body.position_m = description.position_m;
-  body.velocity_m_s = description.velocity_m_s;
-  body.update_turning();
-  state_->objects[id] = {std::move(object), false};
-  state_->list_bodies();
-  return {};
+  RigidBodyDescription ball;
+  ball.object_id = id;
+  ball.properties.inertia_m2 =
+      0.4 * description.radius_m * description.radius_m * Eigen::Matrix3d::Identity();
+  ball.sphere_radius_m = description.radius_m;
+  ball.material.mass_kg = description.mass_kg;
+  ball.material.friction = description.friction;
+  ball.material.restitution = description.restitution;
+  ball.world_from_object.position_m = description.position_m;
+  ball.velocity_m_s = description.velocity_m_s;
+  return state_->add(ball);
 }
 
 Result<void> World::add_elastic(const ElasticBodyDescription& description) {
@@ -209,13 +274,12 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
 void World::State::end_contacts_of(uint32_t object_id) {
   WorldObject* object = find(object_id);
   if (RigidObject* rigid = object->rigid()) {
-    for (size_t i = 0; i < rigid->body_count(); ++i) {
-      RigidBody& body = rigid->body_at(i);
-      for (const ContactManifold& manifold : body.manifolds) {
+    for (const auto& body : rigid->bodies) {
+      for (const ContactManifold& manifold : body->manifolds) {
         if (manifold.other) manifold.other->wake();
       }
-      body.manifolds.clear();
-      body.previous_manifolds.clear();
+      body->manifolds.clear();
+      body->previous_manifolds.clear();
     }
   }
   if (const ElasticObject* elastic = object->elastic()) {
@@ -228,7 +292,7 @@ void World::State::end_contacts_of(uint32_t object_id) {
     if (std::erase_if(elastic->contacts_last_tick, was) > 0) elastic->body->wake();
   }
   const auto gone = [&](const ContactManifold& manifold) {
-    return manifold.other_id < kColliderBit && object_of_body(manifold.other_id) == object_id;
+    return manifold.other && object_of_body(manifold.other_id) == object_id;
   };
   for (RigidBody* body : rigid_bodies) {
     if (std::erase_if(body->manifolds, gone) > 0) body->wake();
@@ -245,7 +309,7 @@ void World::remove_colliders(uint32_t object_id) {
   }
   // Contacts with colliders are known by the collider's index.
   for (RigidBody* body : state.rigid_bodies) {
-    const auto fixed = [](const ContactManifold& manifold) { return manifold.other_id >= kColliderBit; };
+    const auto fixed = [](const ContactManifold& manifold) { return !manifold.other; };
     std::erase_if(body->manifolds, fixed);
     std::erase_if(body->previous_manifolds, fixed);
   }
@@ -279,7 +343,7 @@ Result<void> World::place(uint32_t object_id, const Pose& world_from_object,
     if (!rigid->piece_bodies.empty())
       return fail("is broken and cannot be moved as a whole; reset the scene first");
     state_->end_contacts_of(object_id);
-    RigidBody& body = *rigid->body;
+    RigidBody& body = *rigid->bodies[0];
     body.wake();
     body.world_from_body = {pose * body.rest_centre_m, pose.orientation};
     body.velocity_m_s = velocity_m_s;
@@ -301,13 +365,6 @@ void World::set_force(uint64_t force_id, uint32_t object_id, const PointForce& f
   state_->forces[force_id] = {object_id, force, now_s + duration_s};
 }
 
-void World::clear_force(uint64_t force_id) {
-  const auto found = state_->forces.find(force_id);
-  if (found == state_->forces.end()) return;
-  if (WorldObject* object = state_->find(found->second.object_id)) object->wake();
-  state_->forces.erase(found);
-}
-
 Result<void> World::set_material(uint32_t object_id, const Material& material) {
   WorldObject* object = state_->find(object_id);
   if (!object)
@@ -327,13 +384,12 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
     }
     const double growth = material.mass_kg / rigid->material.mass_kg;
     rigid->material = material;
-    for (size_t i = 0; i < rigid->body_count(); ++i) {
-      RigidBody& body = rigid->body_at(i);
-      const Eigen::Vector3d spin = body.angular_velocity_rad_s;
-      body.mass_kg = rigid->fragments.empty() ? material.mass_kg : growth * body.mass_kg;
-      body.friction.own = material.friction;
-      body.restitution = material.restitution;
-      body.set_angular_velocity(spin);
+    for (const auto& body : rigid->bodies) {
+      const Eigen::Vector3d spin = body->angular_velocity_rad_s;
+      body->mass_kg = rigid->bodies.size() == 1 ? material.mass_kg : growth * body->mass_kg;
+      body->friction.own = material.friction;
+      body->restitution = material.restitution;
+      body->set_angular_velocity(spin);
     }
     rigid->bonds.break_impulse_n_s = material.break_impulse_n_s;
     for (BondGraph::Piece& piece : rigid->bonds.pieces) {

@@ -32,14 +32,8 @@ struct NearPair {
 };
 
 Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
-  if (shape.is_ball()) {
-    const Vector3d around = Vector3d::Constant(shape.sphere_radius_m);
-    return {at.position_m - around, at.position_m + around};
-  }
-  const Eigen::Matrix3d turn = at.orientation.toRotationMatrix();
-  const Vector3d middle = at.position_m + turn * (0.5 * (shape.min_m + shape.max_m));
-  const Vector3d half = turn.cwiseAbs() * (0.5 * (shape.max_m - shape.min_m));
-  return {middle - half, middle + half};
+  const ShapeBox box = turned_box(shape, at.orientation.toRotationMatrix(), at.position_m);
+  return {box.middle_m - box.half_m, box.middle_m + box.half_m};
 }
 
 Eigen::AlignedBox3d wider(const Eigen::AlignedBox3d& box, double by_m) {
@@ -61,8 +55,6 @@ double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 
 }  // namespace
 
-// Builds proxies of rigid bodies for this substep, the neighbours of every elastic body, and the groups of
-// elastic bodies that share a rigid body.
 std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elastic_groups(double duration_s) {
   if (elastic_objects.empty()) return {};
   const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
@@ -76,8 +68,7 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     copy.velocity_m_s = body.velocity_m_s;
     copy.spin_rad_s = body.angular_velocity_rad_s;
     copy.inverse_mass = 1.0 / body.mass_kg;
-    const Eigen::Matrix3d turn = body.world_from_body.orientation.toRotationMatrix();
-    copy.inverse_inertia = turn * body.inverse_inertia_body() * turn.transpose();
+    copy.inverse_inertia = rotated_tensor(body.world_from_body.orientation, body.inverse_inertia_body());
     copy.friction = &body.friction;
     copy.rest_centre_m = body.rest_centre_m;
     copy.asleep = body.asleep;
@@ -90,13 +81,13 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
 
   const size_t count = elastic_objects.size();
   std::vector<Eigen::AlignedBox3d> elastic_boxes, rigid_boxes;
-  for (const ElasticObject* elastic : elastic_objects) elastic_boxes.push_back(elastic->body->bounds_m());
+  for (ElasticObject* elastic : elastic_objects) {
+    elastic_boxes.push_back(elastic->body->bounds_m());
+    elastic->near_bodies.clear();
+    elastic->near_elastic.clear();
+  }
   for (const RigidProxy& body : rigid_proxies) rigid_boxes.push_back(box_of(*body.shape, body.start));
   DisjointSets sets(count + rigid_bodies.size()), together(count);
-  for (size_t i = 0; i < count; ++i) {
-    elastic_objects[i]->near_bodies.clear();
-    elastic_objects[i]->near_elastic.clear();
-  }
   // Pairs whose boxes are near, by elastic body; whether their surfaces are is decided on several threads. A
   // frozen body counts with its reach, also if another pair makes it elastic in this substep.
   std::vector<NearPair> pairs;
@@ -213,21 +204,17 @@ void World::State::apply_elastic_impulses(double duration_s) {
         (rotation_exp(-turned * copy.orientation_lag_rad) * body.world_from_body.orientation).normalized();
     body.update_turning();
     // Soft contact lasts long, so it counts as a sustained force.
-    if (body.can_break)
-      body.impacts.record_force(body.world_from_body.orientation, copy.impulse_n_s,
-                                copy.contact_moment / size - body.world_from_body.position_m);
+    body.record_force(copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
   }
 }
 
 // Wakes a sleeping body if `awake` (a member of its island is awake). Returns whether the body is awake now;
 // false for unknown ids.
 bool World::State::wake_body(uint64_t body_id, bool awake) {
-  const auto found =
-      std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), body_id,
-                       [](const RigidBody* body, uint64_t id) { return body->body_id() < id; });
-  if (found != rigid_bodies.end() && (*found)->body_id() == body_id) {
-    if (awake && (*found)->asleep) (*found)->wake();
-    return !(*found)->asleep;
+  if (const size_t index = rigid_index(body_id); index < rigid_bodies.size()) {
+    RigidBody& body = *rigid_bodies[index];
+    if (awake && body.asleep) body.wake();
+    return !body.asleep;
   }
   WorldObject* object = find(object_of_body(body_id));
   if (!object || !object->elastic()) return false;
@@ -267,18 +254,15 @@ void World::State::sleep_islands(double tick_s) {
   std::vector<uint64_t> ids;
   for (const RigidBody* body : rigid_bodies) ids.push_back(body->body_id());
   for (const ElasticObject* elastic : elastic_objects) ids.push_back(body_id_of(elastic->object_id));
-  std::sort(ids.begin(), ids.end());
-  const auto place_of = [&](uint64_t id) {
-    return std::lower_bound(ids.begin(), ids.end(), id) - ids.begin();
-  };
+  std::ranges::sort(ids);
+  const auto place_of = [&](uint64_t id) { return std::ranges::lower_bound(ids, id) - ids.begin(); };
   DisjointSets sets(ids.size());
   for (ElasticObject* elastic : elastic_objects) {
     if (!elastic->body->asleep()) {
-      std::sort(elastic->contacts_this_tick.begin(), elastic->contacts_this_tick.end());
-      elastic->contacts_this_tick.erase(
-          std::unique(elastic->contacts_this_tick.begin(), elastic->contacts_this_tick.end()),
-          elastic->contacts_this_tick.end());
-      elastic->contacts_last_tick.swap(elastic->contacts_this_tick);
+      std::vector<uint64_t>& contacts = elastic->contacts_this_tick;
+      std::ranges::sort(contacts);
+      contacts.erase(std::ranges::unique(contacts).begin(), contacts.end());
+      elastic->contacts_last_tick.swap(contacts);
     }
     elastic->contacts_this_tick.clear();
     const auto own = place_of(body_id_of(elastic->object_id));

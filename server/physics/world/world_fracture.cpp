@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fracture of a rigid object into fragments. The decision which bonds break is broken_bonds() in
-// fracture/bond_graph.cpp; the rule is in fracture/bond_graph.h. This file applies it.
+// Fracture of a rigid object into fragments. The rule which bonds break is in fracture/bond_graph.h; this
+// file applies it. The order of a tick is in ../README.md; break_object() starts at the decision.
 //
-// Order in process_impacts(), at the end of each tick, for each body that can break:
-//   load      impulses of the tick and of an ended episode       rigid/contact/impact_record.cpp
-//   damage    by the ended episode: accumulate_damage()          fracture/bond_graph.cpp
-//   energy    part of the impulse to undo, energy of the recoil  fracture/fracture_recoil.cpp
-//   decision  broken_bonds(), then connected_groups(); fewer than two groups: the body stays whole
-//   undo      undo_contact_impulse()
-//   split     split_body(): one body for each group; the largest group keeps the index
-//   recoil    apply_fracture_energy()                            fracture/fracture_recoil.cpp
-// break_object() starts at the decision.
-//
-// Each fragment receives the velocity of its material, v + w x r, and its share of mass and inertia, so mass,
-// linear and angular momentum are conserved to rounding. Kinetic energy grows only by the recoil.
+// Each fragment receives the velocity of its material and its share of mass and inertia, which conserves
+// mass, linear and angular momentum. Kinetic energy grows only by the recoil.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -31,7 +21,7 @@ constexpr double kMinImpactRatio = 0.01;
 // Impulses with |sum| >= this fraction of the sum of magnitudes have a common direction.
 constexpr double kMinDirectionality = 0.99;
 
-// Removes contacts of the broken body, whose features no longer exist, and wakes bodies in contact with it.
+// The features of its contacts no longer exist.
 void discard_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
   for (ContactManifold& manifold : broken.manifolds) {
     if (manifold.other && manifold.other->asleep) manifold.other->wake();
@@ -45,12 +35,6 @@ void discard_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
   }
 }
 
-void set_mass_properties(RigidBody& body, const MassProperties& properties, double mass_kg) {
-  body.mass_kg = mass_kg;
-  body.set_unit_inertia(properties.inertia_m2);
-  body.rest_centre_m = properties.centre_of_mass_m;
-}
-
 // Makes `body` the fragment `members` of `whole`. They may be the same object.
 void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject& object,
                      std::span<const uint32_t> members) {
@@ -61,7 +45,9 @@ void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject&
   body.tick_energy_j = whole.tick_energy_j * mass_kg / whole.mass_kg;
   body.velocity_m_s = whole.velocity_m_s + spin.cross(arm);
   body.world_from_body = {whole.world_from_body.position_m + arm, whole.world_from_body.orientation};
-  set_mass_properties(body, properties, mass_kg);
+  body.mass_kg = mass_kg;
+  body.set_unit_inertia(properties.inertia_m2);
+  body.rest_centre_m = properties.centre_of_mass_m;
   body.shape = joined_shape(*object.pieces, members, properties.centre_of_mass_m);
   body.friction = whole.friction;
   body.restitution = object.material.restitution;
@@ -101,11 +87,8 @@ uint32_t nearest_piece(const RigidObject& object, uint32_t body_index, const Eig
 }
 
 Impact impact_of(const RigidObject& object, uint32_t body_index, const ImpulseAccumulator& sum) {
-  Impact impact;
-  impact.point_m = object.body_at(body_index).rest_centre_m + sum.moment / sum.impulse_n_s;
-  impact.impulse_n_s = sum.impulse_n_s * direction_of(sum);
-  impact.piece = nearest_piece(object, body_index, impact.point_m);
-  return impact;
+  const Eigen::Vector3d point_m = object.bodies[body_index]->rest_centre_m + sum.moment / sum.impulse_n_s;
+  return {nearest_piece(object, body_index, point_m), point_m, sum.impulse_n_s * direction_of(sum)};
 }
 
 // Removes the fraction `part` of contact impulses (body axes), limited so that the energy is at most
@@ -131,15 +114,15 @@ void apply_fracture_energy(RigidObject& object, std::span<const uint32_t> broken
   std::vector<RigidBody*> bodies;
   std::vector<OpenedFace> faces;
   const auto number = [&](RigidBody& body) {
-    const auto at = static_cast<size_t>(std::find(bodies.begin(), bodies.end(), &body) - bodies.begin());
+    const auto at = static_cast<size_t>(std::ranges::find(bodies, &body) - bodies.begin());
     if (at == bodies.size()) bodies.push_back(&body);
     return at;
   };
   for (const uint32_t bond : broken) {
     if (bond >= object.pieces->cut.bonds.size()) continue;  // bonds of isolated parts have no face
     const VoronoiBond& face = object.pieces->cut.bonds[bond];
-    RigidBody& first = object.body_at(object.body_of(face.first));
-    RigidBody& second = object.body_at(object.body_of(face.second));
+    RigidBody& first = *object.bodies[object.body_of(face.first)];
+    RigidBody& second = *object.bodies[object.body_of(face.second)];
     if (&first == &second) continue;
     faces.push_back({number(first), number(second), face.area_m2,
                      first.world_from_body.position_m + first.arm_of(face.centroid_m),
@@ -152,19 +135,18 @@ void apply_fracture_energy(RigidObject& object, std::span<const uint32_t> broken
 
 void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
                               const std::vector<std::vector<uint32_t>>& groups) {
-  RigidBody& broken = object.body_at(body_index);
+  RigidBody& broken = *object.bodies[body_index];
   discard_contacts(rigid_bodies, broken);
   const auto share = [&](const std::vector<uint32_t>& group) { return joined_share(*object.pieces, group); };
-  const auto largest = std::max_element(groups.begin(), groups.end(),
-                                        [&](const auto& a, const auto& b) { return share(a) < share(b); });
+  const auto largest = std::ranges::max_element(groups, {}, share);
   for (const std::vector<uint32_t>& group : groups) {
     if (&group == &*largest) continue;
     auto fragment = std::make_unique<RigidBody>();
     fragment->object_id = object_id;
-    fragment->body_index = static_cast<uint32_t>(object.body_count());
+    fragment->body_index = static_cast<uint32_t>(object.bodies.size());
     become_fragment(*fragment, broken, object, group);
     for (const uint32_t piece : group) object.piece_bodies[piece] = fragment->body_index;
-    object.fragments.push_back(std::move(fragment));
+    object.bodies.push_back(std::move(fragment));
   }
   become_fragment(broken, broken, object, *largest);
 }
@@ -182,7 +164,7 @@ bool World::State::fracture_body(uint32_t object_id, RigidObject& object, uint32
   if (members.size() < 2) return false;
   std::vector<std::vector<uint32_t>> groups;
   for (auto& [first, group] : members) groups.push_back(std::move(group));
-  RigidBody& body = object.body_at(body_index);
+  RigidBody& body = *object.bodies[body_index];
   // The energy must not exceed that at the start of the tick.
   undo_contact_impulse(body, given, undone_fraction,
                        body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
@@ -212,10 +194,10 @@ double World::State::local_energy_loss_j(const RigidBody& body) const {
   double lost = 0.0;
   for (const auto& [id, thing] : objects) {
     const RigidObject* object = thing.rigid();
-    for (size_t i = 0; object && i < object->body_count(); ++i) {
-      const RigidBody& one = object->body_at(i);
-      const double apart = (one.world_from_body.position_m - body.world_from_body.position_m).norm();
-      if (apart < reach_m(one) + reach_m(body)) lost += one.tick_energy_j - energy_j(one);
+    if (!object) continue;
+    for (const auto& one : object->bodies) {
+      const double apart = (one->world_from_body.position_m - body.world_from_body.position_m).norm();
+      if (apart < reach_m(*one) + reach_m(body)) lost += one->tick_energy_j - energy_j(*one);
     }
   }
   return lost;
@@ -226,9 +208,9 @@ void World::State::process_impacts() {
   for (auto& [id, thing] : objects) {
     RigidObject* object = thing.rigid();
     if (!object) continue;
-    const size_t count = object->body_count();
+    const size_t count = object->bodies.size();
     for (uint32_t index = 0; index < count; ++index) {
-      RigidBody& body = object->body_at(index);
+      RigidBody& body = *object->bodies[index];
       if (!body.can_break) continue;
       const ImpulseAccumulator sum = body.impacts.take(1.0 / settings.rate_hz),
                                episode = body.impacts.take_ended_episode();
@@ -265,11 +247,17 @@ void World::State::process_impacts() {
   if (broke) list_bodies();
 }
 
+Result<RigidObject*> World::State::find_rigid(uint32_t object_id) {
+  WorldObject* thing = find(object_id);
+  if (thing && thing->rigid()) return thing->rigid();
+  return not_found(object_name(object_id) + ": there is no rigid object with this id; give the id of one");
+}
+
 Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces) {
   const std::string name = object_name(object_id);
-  WorldObject* thing = state_->find(object_id);
-  RigidObject* object = thing ? thing->rigid() : nullptr;
-  if (!object) return not_found(name + ": there is no rigid object with this id; give the id of one");
+  const auto found = state_->find_rigid(object_id);
+  if (!found) return found.error();
+  RigidObject* const object = *found;
   if (object->revision > 0)
     return invalid_argument(name + ": the object is already broken; reset the scene first");
   if (!(object->material.break_impulse_n_s > 0.0)) {
@@ -278,7 +266,7 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
   std::vector<uint32_t> all(pieces->pieces.size());
   std::iota(all.begin(), all.end(), 0u);
   const MassProperties whole = joined_mass(*pieces, all);
-  RigidBody& body = *object->body;
+  RigidBody& body = *object->bodies[0];
   const double apart = (whole.centre_of_mass_m - body.rest_centre_m).norm();
   if (apart > 1e-6 * body.shape.bounding_radius_m) {
     return invalid_argument(name + ": the pieces belong to another body: their centre of mass is " +
@@ -295,17 +283,15 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
 
 Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m) {
   const std::string name = object_name(object_id);
-  WorldObject* thing = state_->find(object_id);
-  RigidObject* object = thing ? thing->rigid() : nullptr;
-  if (!object) return not_found(name + ": there is no rigid object with this id; give the id of one");
+  const auto found = state_->find_rigid(object_id);
+  if (!found) return found.error();
+  RigidObject* const object = *found;
   if (!object->pieces)
     return invalid_argument(
         name + ": there are no pieces yet; make the object fragile, or wait for the cut to finish");
-  Impact impact;
-  impact.piece = object->pieces->cut.locate(rest_point_m);
-  impact.point_m = rest_point_m;
+  Impact impact{object->pieces->cut.locate(rest_point_m), rest_point_m};
   const uint32_t index = object->body_of(impact.piece);
-  const RigidBody& body = object->body_at(index);
+  const RigidBody& body = *object->bodies[index];
   const Eigen::Vector3d inwards = body.rest_centre_m - rest_point_m;
   const Eigen::Vector3d direction =
       inwards.norm() > 0.01 * body.shape.bounding_radius_m ? inwards.normalized() : -Eigen::Vector3d::UnitY();
@@ -315,7 +301,7 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
     return invalid_argument(name + ": the piece at this point cannot break further; give another point");
   impact.impulse_n_s = kForcedBreakFactor * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
-  thing->wake();
+  state_->find(object_id)->wake();
   if (!state_->fracture_body(object_id, *object, index, impact, {}, 0.0, 0.0)) {
     return invalid_argument(name + ": no bond breaks at this point; give another point");
   }

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Springs of ray pulls and grabs. gather_springs() sets targets, stiffness and bounds; solvers compute the
-// forces:
-//   rigid bodies     prepare_spring(), solve_spring()            rigid/rigid_spring.cpp
-//   elastic, cells   CellsBody::solve_springs()                  elastic/cells/cells_step.cpp
-//   elastic, others  spring_force(), explicit, called from here  world/spring.cpp
-// The forces of the last step are read back by spring_force_n() and grab_state().
-//
-// Release of a grab: HandControls::release_hand (session/simulation/hand_controls.cpp) calls release_grab(),
-// which erases the grab. From the next substep on no spring acts; the body keeps its velocities and sleeps by
-// its own test.
+// forces: rigid/rigid_spring.cpp, CellsBody::solve_springs(), or spring_force() here.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "geometry/mesh/triangle_distance.h"
 #include "physics/check/check_values.h"
-#include "physics/world/spring.h"
+#include "physics/motion/vector_algebra.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
@@ -41,16 +32,13 @@ std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const P
   for (size_t i = 0; i < seen.size(); ++i) apart[i] = -seen[i].norm();
   std::vector<GripPoint> grip_points;
   while (grip_points.size() < kMaxGripPoints) {
-    const size_t next = static_cast<size_t>(std::max_element(apart.begin(), apart.end()) - apart.begin());
+    const auto next = static_cast<size_t>(std::ranges::max_element(apart) - apart.begin());
     if (!grip_points.empty() && apart[next] <= 0.0) break;
     grip_points.push_back({rest[next], seen[next]});
     for (size_t i = 0; i < seen.size(); ++i) {
       const double distance = (seen[i] - seen[next]).norm();
-      if (grip_points.size() == 1) {
-        apart[i] = seen[i].norm() <= kPalmRadius_m ? distance : 0.0;
-      } else {
-        apart[i] = std::min(apart[i], distance);
-      }
+      const double before = seen[i].norm() <= kPalmRadius_m ? INFINITY : 0.0;
+      apart[i] = std::min(grip_points.size() == 1 ? before : apart[i], distance);
     }
   }
   return grip_points;
@@ -62,13 +50,28 @@ std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const P
 double surface_distance_m(const RigidShape& shape, const Eigen::Vector3d& local_m) {
   const double sampled_m = shape.sample(local_m).distance_m;
   if (sampled_m <= 0.0 || shape.is_ball() || shape.convex) return sampled_m;
-  double least = INFINITY;
-  for (const auto& [a, b, c] : shape.mesh.triangles) {
-    const Eigen::Vector3d on = closest_point_on_triangle(local_m, shape.mesh.vertices_m[a],
-                                                         shape.mesh.vertices_m[b], shape.mesh.vertices_m[c]);
-    least = std::min(least, (on - local_m).squaredNorm());
-  }
-  return std::sqrt(least);
+  return triangle_distance_m(shape, local_m);
+}
+
+// Explicit spring force for solvers without implicit springs (ElasticBody::takes_springs): the force on a
+// material point of an elastic body over the next `duration_s`, bounded by max_force_n. Damping against the
+// target's velocity is critical for `mass_kg`. Stiffness and damping are limited to the stable range of the
+// grasped cell in one substep.
+Eigen::Vector3d spring_force(const World::Spring& spring, const Eigen::Vector3d& target_velocity_m_s,
+                             const ElasticBody& body, double mass_kg, double duration_s) {
+  const ElasticAccuracy accuracy = body.accuracy();
+  // Effective mass and stiffness of the point within one substep: those of one cell.
+  const double cell_mass = mass_kg / std::max<double>(1.0, static_cast<double>(accuracy.cells));
+  const double cell_stiffness =
+      std::min(accuracy.reached_youngs_modulus_pa, body.material().effective_youngs_modulus_pa()) *
+      accuracy.cell_width_m;
+  const double most = 0.5 * (cell_mass / duration_s + duration_s * cell_stiffness);
+  const double stiffness = std::min(spring.stiffness_n_m, most / duration_s);
+  const double damping = std::min(2.0 * std::sqrt(stiffness * mass_kg), most);
+  const Eigen::Vector3d stretch = spring.target_m - body.world_point(spring.rest_point_m);
+  const Eigen::Vector3d faster = target_velocity_m_s - body.point_velocity_m_s(spring.rest_point_m);
+  const Eigen::Vector3d force = stiffness * stretch + damping * faster;
+  return clamp_norm(force, spring.max_force_n);
 }
 
 // Body of an object with the surface nearest to a point, within `reach_m`.
@@ -79,8 +82,8 @@ struct NearestBody {
 };
 NearestBody nearest_body(const RigidObject& object, const Eigen::Vector3d& point_m, double reach_m) {
   NearestBody nearest;
-  for (size_t i = 0; i < object.body_count(); ++i) {
-    const RigidBody& body = object.body_at(i);
+  for (size_t i = 0; i < object.bodies.size(); ++i) {
+    const RigidBody& body = *object.bodies[i];
     const Eigen::Vector3d local = body.world_from_body.inverse() * point_m;
     if (local.norm() > body.shape.bounding_radius_m + std::min(reach_m, nearest.distance_m)) continue;
     const double distance = surface_distance_m(body.shape, local);
@@ -177,8 +180,9 @@ void World::State::gather_springs(double duration_s) {
     hand.position_m += std::min(held.since_update_s, extrapolation_s) * held.velocity_m_s;
     const Eigen::Vector3d turned = std::min(held.since_update_s, extrapolation_s) * held.spin_rad_s;
     const bool timed_out = held.since_update_s > extrapolation_s + kHandTimeoutTicks * tick_s;
-    const Eigen::Vector3d velocity = timed_out ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.velocity_m_s;
-    const Eigen::Vector3d spin = timed_out ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.spin_rad_s;
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    const Eigen::Vector3d &velocity = timed_out ? zero : held.velocity_m_s,
+                          &spin = timed_out ? zero : held.spin_rad_s;
     if (turned.norm() > 0.0) {
       hand.orientation = Eigen::AngleAxisd(turned.norm(), turned.normalized()) * hand.orientation;
     }
@@ -251,7 +255,7 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
     held.rest_point_m = nearest.rest_point_m;
     held.piece = rigid->piece_nearest_to(*nearest.index, nearest.rest_point_m);
     held.hand_from_object = held.world_from_hand.orientation.conjugate() *
-                            rigid->body_at(*nearest.index).world_from_body.orientation;
+                            rigid->bodies[*nearest.index]->world_from_body.orientation;
   } else {
     held.grip_points = grip_points_in_palm(*object->elastic(), held.world_from_hand);
     held.rest_point_m = held.grip_points.front().rest_point_m;

@@ -11,14 +11,11 @@ namespace {
 
 // Rigid object of a joint, or an error.
 Result<RigidObject*> rigid_part(WorldObject* object, uint32_t object_id) {
-  if (!object) return not_found("joint: unknown " + object_name(object_id));
-  if (object->elastic()) {
-    return invalid_argument("joint: " + object_name(object_id) +
-                            " is elastic; joints hold rigid objects only");
-  }
-  if (object->fixed()) {
-    return invalid_argument("joint: " + object_name(object_id) + " is static; name the moving object first");
-  }
+  const std::string name = object_name(object_id);
+  if (!object) return not_found("joint: unknown " + name);
+  if (object->elastic())
+    return invalid_argument("joint: " + name + " is elastic; joints hold rigid objects only");
+  if (object->fixed()) return invalid_argument("joint: " + name + " is static; name the moving object first");
   return object->rigid();
 }
 
@@ -27,13 +24,11 @@ Result<RigidObject*> rigid_part(WorldObject* object, uint32_t object_id) {
 Result<void> World::State::add_joint(const HingeJointDescription& description, bool hinge) {
   auto part = rigid_part(find(description.object_id), description.object_id);
   if (!part) return part.error();
-  if (!description.point_m.allFinite()) {
-    return invalid_argument("joint of " + object_name(description.object_id) + ": point_m is not finite");
-  }
-  if (!(description.axis.norm() > 1e-9) || !description.axis.allFinite()) {
-    return invalid_argument("joint of " + object_name(description.object_id) +
-                            ": axis is zero or not finite");
-  }
+  const std::string name = object_name(description.object_id);
+  if (!description.point_m.allFinite())
+    return invalid_argument("joint of " + name + ": point_m is not finite");
+  if (!(description.axis.norm() > 1e-9) || !description.axis.allFinite())
+    return invalid_argument("joint of " + name + ": axis is zero or not finite");
   ActiveJoint held;
   held.object_id = description.object_id;
   held.declared_id = description.other_id;
@@ -45,9 +40,8 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
   held.other_point_m = body.world_from_body.position_m + body.arm_of(held.point_m);
   held.other_axis = body.world_from_body.orientation * held.axis;
   if (description.other_id) {
-    if (*description.other_id == description.object_id) {
-      return invalid_argument("joint: " + object_name(description.object_id) + " cannot be joined to itself");
-    }
+    if (*description.other_id == description.object_id)
+      return invalid_argument("joint: " + name + " cannot be joined to itself");
     WorldObject* other = find(*description.other_id);
     if (!other || !other->fixed()) {
       auto other_part = rigid_part(other, *description.other_id);
@@ -56,8 +50,9 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
       RigidObject& object = **other_part;
       // Fragments keep their object's axes, so the body that contains the point follows from its rest
       // position.
-      const Pose from_world = object.body->world_from_body.inverse();
-      held.other_point_m = from_world * held.other_point_m + object.body->rest_centre_m;
+      const RigidBody& first = *object.bodies[0];
+      const Pose from_world = first.world_from_body.inverse();
+      held.other_point_m = from_world * held.other_point_m + first.rest_centre_m;
       held.other_axis = from_world.orientation * held.other_axis;
       other->wake();
     }
@@ -107,8 +102,7 @@ void World::State::link_joints() {
   joint_groups.clear();
 
   const auto index_of = [&](const RigidBody* body) {
-    return static_cast<uint32_t>(std::find(rigid_bodies.begin(), rigid_bodies.end(), body) -
-                                 rigid_bodies.begin());
+    return static_cast<uint32_t>(rigid_index(body->body_id()));
   };
   DisjointSets sets(rigid_bodies.size());
   for (const ActiveJoint& held : joints) {
@@ -137,12 +131,8 @@ std::vector<JointState> World::joints() const {
   std::vector<JointState> states;
   for (const ActiveJoint& held : state_->joints) {
     const RigidJoint& joint = state_->running(held);
-    JointState state;
-    state.object_id = held.object_id;
-    state.other_id = held.declared_id;
-    state.hinge = joint.hinge;
-    state.point_m = joint.world_anchor_a();
-    state.axis = joint.hinge ? joint.world_axis_a() : Eigen::Vector3d::Zero().eval();
+    JointState state{held.object_id, held.declared_id, joint.hinge, joint.world_anchor_a(),
+                     joint.hinge ? joint.world_axis_a() : Eigen::Vector3d::Zero().eval()};
     state.error_m = (joint.world_anchor_a() - joint.world_anchor_b()).norm();
     if (joint.hinge) {
       const Eigen::Vector3d a = joint.world_axis_a(), b = joint.world_axis_b();

@@ -3,22 +3,14 @@
 #include <cmath>
 
 #include "core/assert.h"
-#include "physics/rigid/rigid_ray_cast.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
 namespace {
 
-constexpr double kFragmentTolerance = 1e-5;  // in bounding radii
 // Objects up to this distance behind a collider's surface are still hit, m: resting objects overlap slightly.
 constexpr double kSurfaceTolerance_m = 0.005;
-// Minimum step and maximum number of steps of a ray march.
-constexpr double kMinMarch_m = 0.001;
-constexpr int kMaxRayMarches = 4096;
-// distance_down_m: at most this number of surface points is cast; a point at most this deep in a collider
-// counts as sunk into it, a deeper one as beyond a wall.
-constexpr size_t kMaxCasts = 400;
-constexpr double kSunk_m = 0.05;
+constexpr double kSunk_m = 0.05;  // a point deeper in a collider counts as beyond a wall (distance_down_m)
 
 // Distance to a collider, or `most_m` if it is not hit before. Colliders that contain the ray's start are
 // ignored: a camera may be behind a wall.
@@ -32,10 +24,10 @@ double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const E
     return nearing > 0.0 ? std::min(most_m, start.distance_m / nearing) : most_m;
   }
   double way = 0.0;
-  for (int march = 0; march < kMaxRayMarches && way < most_m; ++march) {
+  for (int march = 0; march < 4096 && way < most_m; ++march) {
     const double free = probe.sample(origin_m + way * direction).distance_m;
     if (!(free > 0.0)) return way;
-    way += std::max(kFieldMarchFactor * free, kMinMarch_m);
+    way += std::max(kFieldMarchFactor * free, 0.001 /* at least */);
   }
   return most_m;
 }
@@ -56,15 +48,14 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
   };
   for (const auto& [id, object] : state_->objects) {
     if (const RigidObject* rigid = object.rigid()) {
-      for (size_t i = 0; i < rigid->body_count(); ++i) {
-        const RigidBody& body = rigid->body_at(i);
-        const auto distance = livegs::ray_cast(body, origin_m, direction);
+      for (const auto& body : rigid->bodies) {
+        const auto distance = livegs::ray_cast(*body, origin_m, direction);
         if (!distance) continue;
         // For fragments, a point slightly inside, to distinguish it from pieces beyond the cut faces.
-        const double depth =
-            rigid->fragments.empty() ? 0.0 : kFragmentTolerance * body.shape.bounding_radius_m;
+        const double depth = rigid->bodies.size() == 1 ? 0.0 : 1e-5 * body->shape.bounding_radius_m;
         const Eigen::Vector3d point = origin_m + (*distance + depth) * direction;
-        offer(id, *distance, body.world_from_body.inverse() * point + body.rest_centre_m, rigid, i);
+        offer(id, *distance, body->world_from_body.inverse() * point + body->rest_centre_m, rigid,
+              body->body_index);
       }
     } else if (const ElasticObject* elastic = object.elastic()) {
       if (const auto hit = elastic->body->ray_cast(origin_m, direction)) {
@@ -87,12 +78,11 @@ std::optional<double> World::distance_down_m(uint32_t object_id, double max_dist
   const Eigen::Vector3d down = state_->settings.gravity_m_s2.normalized();
   std::vector<Eigen::Vector3d> points_m;
   if (const RigidObject* rigid = object->rigid()) {
-    for (size_t i = 0; i < rigid->body_count(); ++i) {
-      const RigidBody& body = rigid->body_at(i);
-      if (body.shape.is_ball())
-        points_m.push_back(body.world_from_body.position_m + body.shape.bounding_radius_m * down);
-      for (const Eigen::Vector3d& vertex : body.shape.mesh.vertices_m)
-        points_m.push_back(body.world_from_body * vertex);
+    for (const auto& body : rigid->bodies) {
+      if (body->shape.is_ball())
+        points_m.push_back(body->world_from_body.position_m + body->shape.bounding_radius_m * down);
+      for (const Eigen::Vector3d& vertex : body->shape.mesh.vertices_m)
+        points_m.push_back(body->world_from_body * vertex);
     }
   } else {
     std::vector<SurfaceElement> elements;
@@ -110,11 +100,10 @@ std::optional<double> World::distance_down_m(std::span<const Eigen::Vector3d> po
   const Eigen::Vector3d& gravity = state_->settings.gravity_m_s2;
   if (gravity.norm() == 0.0) return std::nullopt;
   const Eigen::Vector3d down = gravity.normalized();
-  const size_t stride = 1 + points_m.size() / kMaxCasts;
+  const size_t stride = 1 + points_m.size() / kMaxContactPoints;
   if (points_m.empty()) return std::nullopt;
-  const Eigen::Vector3d lowest = *std::max_element(
-      points_m.begin(), points_m.end(),
-      [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return down.dot(a) < down.dot(b); });
+  const Eigen::Vector3d lowest =
+      *std::ranges::max_element(points_m, {}, [&](const Eigen::Vector3d& point) { return down.dot(point); });
   double least = max_distance_m;
   for (size_t i = 0; i < points_m.size(); i += stride) {
     const Eigen::Vector3d& point = i == 0 ? lowest : points_m[i];
@@ -128,9 +117,8 @@ std::optional<double> World::distance_down_m(std::span<const Eigen::Vector3d> po
     for (const auto& [id, other] : state_->objects) {
       if (id == except_object_id) continue;
       if (const RigidObject* rigid = other.rigid()) {
-        for (size_t body = 0; body < rigid->body_count(); ++body) {
-          if (const auto way = livegs::ray_cast(rigid->body_at(body), point, down))
-            least = std::min(least, *way);
+        for (const auto& body : rigid->bodies) {
+          if (const auto way = livegs::ray_cast(*body, point, down)) least = std::min(least, *way);
         }
       } else if (const ElasticObject* elastic = other.elastic()) {
         if (const auto hit = elastic->body->ray_cast(point, down)) least = std::min(least, hit->distance_m);
@@ -159,10 +147,10 @@ RestBody World::rest_body(uint32_t object_id) const {
   RestBody rest;
   rest.kind = DriverKind::Rigid;
   const RigidObject* rigid = object->rigid();
-  rest.bodies.resize(rigid ? rigid->body_count() : 1);
+  rest.bodies.resize(rigid ? rigid->bodies.size() : 1);
   if (!rigid) return rest;
   rest.revision = rigid->revision;
-  for (size_t i = 0; i < rest.bodies.size(); ++i) rest.bodies[i].position_m = rigid->body_at(i).rest_centre_m;
+  for (size_t i = 0; i < rest.bodies.size(); ++i) rest.bodies[i].position_m = rigid->bodies[i]->rest_centre_m;
   return rest;
 }
 
@@ -175,8 +163,7 @@ DriverFrame World::drivers() const {
     if (const ElasticObject* elastic = object.elastic()) elastic->body->write_drivers(drivers);
     if (const RigidObject* rigid = object.rigid()) {
       drivers.revision = rigid->revision;
-      for (size_t i = 0; i < rigid->body_count(); ++i)
-        drivers.poses.push_back(rigid->body_at(i).world_from_body);
+      for (const auto& body : rigid->bodies) drivers.poses.push_back(body->world_from_body);
     }
     if (const StaticObject* fixed = object.fixed()) drivers.poses.push_back(fixed->world_from_object);
     drivers.object_id = id;
@@ -189,33 +176,19 @@ DriverFrame World::drivers() const {
 std::vector<BodyState> World::bodies() const {
   std::vector<BodyState> bodies;
   for (const auto& [id, object] : state_->objects) {
-    BodyState state;
-    state.object_id = id;
-    state.asleep = object.asleep();
-    state.velocity_m_s.setZero();
-    state.angular_velocity_rad_s.setZero();
     if (const StaticObject* fixed = object.fixed()) {
-      state.world_from_body = fixed->world_from_object;
+      const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+      bodies.push_back({id, 0, fixed->world_from_object, zero, zero, 0.0, true});
     } else if (const RigidObject* rigid = object.rigid()) {
-      for (size_t i = 0; i < rigid->body_count(); ++i) {
-        const RigidBody& body = rigid->body_at(i);
-        state.body_index = body.body_index;
-        state.asleep = body.asleep;
-        state.world_from_body = body.world_from_body;
-        state.velocity_m_s = body.velocity_m_s;
-        state.angular_velocity_rad_s = body.angular_velocity_rad_s;
-        state.mass_kg = body.mass_kg;
-        bodies.push_back(state);
+      for (const auto& body : rigid->bodies) {
+        bodies.push_back({id, body->body_index, body->world_from_body, body->velocity_m_s,
+                          body->angular_velocity_rad_s, body->mass_kg, body->asleep});
       }
-      continue;
     } else {
       const ElasticBody& body = *object.elastic()->body;
-      state.world_from_body = body.centre_pose();
-      state.velocity_m_s = body.velocity_m_s();
-      state.angular_velocity_rad_s = body.angular_velocity_rad_s();
-      state.mass_kg = body.mass_kg();
+      bodies.push_back({id, 0, body.centre_pose(), body.velocity_m_s(), body.angular_velocity_rad_s(),
+                        body.mass_kg(), body.asleep()});
     }
-    bodies.push_back(state);
   }
   return bodies;
 }
@@ -229,13 +202,13 @@ BodyEnergy World::energy() const {
   BodyEnergy total;
   for (const auto& [id, object] : state_->objects) {
     if (const RigidObject* rigid = object.rigid()) {
-      for (size_t i = 0; i < rigid->body_count(); ++i) {
-        const RigidBody& body = rigid->body_at(i);
-        const Eigen::Vector3d momentum = body.mass_kg * body.velocity_m_s;
-        total.kinetic_j += body.kinetic_j();
-        total.gravity_j -= body.mass_kg * state_->settings.gravity_m_s2.dot(body.world_from_body.position_m);
+      for (const auto& body : rigid->bodies) {
+        const Eigen::Vector3d momentum = body->mass_kg * body->velocity_m_s,
+                              position = body->world_from_body.position_m;
+        total.kinetic_j += body->kinetic_j();
+        total.gravity_j -= body->mass_kg * state_->settings.gravity_m_s2.dot(position);
         total.linear_momentum += momentum;
-        total.angular_momentum += body.world_from_body.position_m.cross(momentum) + body.angular_momentum;
+        total.angular_momentum += position.cross(momentum) + body->angular_momentum;
       }
     } else if (const ElasticObject* elastic = object.elastic()) {
       const BodyEnergy energy = elastic->body->energy(state_->settings.gravity_m_s2);

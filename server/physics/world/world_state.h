@@ -22,17 +22,13 @@
 
 namespace livegs {
 
-// Maximum number of pending events; the oldest are discarded.
-inline constexpr size_t kMaxEvents = 65536;
-
 struct StaticObject {
   Pose world_from_object;
   Material material;
 };
 
 struct RigidObject {
-  std::unique_ptr<RigidBody> body;                    // the whole object, or the fragment with body_index 0
-  std::vector<std::unique_ptr<RigidBody>> fragments;  // fragments with body_index 1, 2, …
+  std::vector<std::unique_ptr<RigidBody>> bodies;  // by body_index: the whole object, or its fragments
   Material material;
 
   // Pieces of fragile objects; nullptr until they are prepared.
@@ -42,19 +38,11 @@ struct RigidObject {
   uint32_t revision = 0;               // number of fractures
 
   uint32_t body_of(uint32_t piece) const { return piece_bodies.empty() ? 0 : piece_bodies[piece]; }
-  size_t body_count() const { return 1 + fragments.size(); }
-  RigidBody& body_at(size_t index) { return index == 0 ? *body : *fragments[index - 1]; }
-  const RigidBody& body_at(size_t index) const { return index == 0 ? *body : *fragments[index - 1]; }
   // Body that contains a material point (object frame at rest), by `piece` if given.
-  RigidBody& body_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece = {}) {
-    return body_at(index_with(rest_point_m, piece));
-  }
-  const RigidBody& body_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece = {}) const {
-    return body_at(index_with(rest_point_m, piece));
-  }
-  size_t index_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece) const {
-    if (piece_bodies.empty()) return 0;
-    return body_of(piece && *piece < piece_bodies.size() ? *piece : pieces->cut.locate(rest_point_m));
+  RigidBody& body_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece = {}) const {
+    if (piece_bodies.empty()) return *bodies[0];
+    return *bodies[body_of(piece && *piece < piece_bodies.size() ? *piece
+                                                                 : pieces->cut.locate(rest_point_m))];
   }
   // Piece of a body whose triangles are nearest to a point (object frame at rest); nullopt while the object
   // is whole. Used by grabs.
@@ -148,7 +136,7 @@ struct World::State {
   std::map<uint64_t, ActiveGrab> grabs;
   std::vector<ActiveJoint> joints;  // in the order of adding; ids start at 1
   std::vector<std::unique_ptr<JointGroup>> joint_groups;
-  std::vector<WorldEvent> events;
+  std::vector<WorldEvent> events;  // pending
   uint64_t tick = 0;
   StepTimes times;
 
@@ -166,7 +154,10 @@ struct World::State {
   std::vector<VelocityChange> velocity_changes;
 
   WorldObject* find(uint32_t object_id);
-  const WorldObject* find(uint32_t object_id) const;
+  Result<RigidObject*> find_rigid(uint32_t object_id);
+  // Index in rigid_bodies of a body; their number for an unknown id.
+  size_t rigid_index(uint64_t body_id) const;
+  Result<void> add(const RigidBodyDescription& checked);
   void list_bodies();
   void wake_all();
   // Wakes bodies that touch the object, and drops the contacts with it.
@@ -180,8 +171,7 @@ struct World::State {
   void gather_springs(double duration_s);  // of set_spring() and grabs
   // At the first fracture of an object, assigns to each grab of it the nearest piece.
   void assign_grabs_to_pieces(uint32_t object_id, const RigidObject& object);
-  // world_device.cpp. Steps elastic bodies that nothing else touches in this tick on the device, if there is
-  // one.
+  // On the device, if there is one.
   void step_on_device(double start_s, double tick_s);
   void step_elastic(double start_s, double duration_s);
   void step_rigid(double duration_s);

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "core/clock.h"
 #include "core/parallel_for.h"
 #include "physics/elastic/step_elastic_bodies.h"
+#include "physics/elastic_device.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
-namespace {
-
-size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
-  const auto at = std::lower_bound(bodies.begin(), bodies.end(), body.body_id(),
-                                   [](const RigidBody* other, uint64_t id) { return other->body_id() < id; });
-  return static_cast<size_t>(at - bodies.begin());
-}
-
-}  // namespace
 
 void World::State::clear_ended_forces(double now_s) {
   // A force that ends with a tick has ended in spite of rounding.
@@ -38,12 +31,10 @@ void World::State::gather_loads(double start_s, double duration_s) {
     if (ElasticObject* elastic = object.elastic()) elastic->forces.push_back({rest_point, force});
     if (RigidObject* rigid = object.rigid()) {
       RigidBody& body = rigid->body_with(rest_point);
-      RigidLoad& load = loads[index_of(rigid_bodies, body)];
+      RigidLoad& load = loads[rigid_index(body.body_id())];
       load.impulse_n_s += duration_s * force;
       // A sleeping body's load is unchanged, and its record is not read.
-      if (body.can_break && !body.asleep)
-        body.impacts.record_force(body.world_from_body.orientation, duration_s * force,
-                                  body.arm_of(rest_point));
+      if (!body.asleep) body.record_force(duration_s * force, body.arm_of(rest_point));
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
   };
@@ -55,8 +46,39 @@ void World::State::gather_loads(double start_s, double duration_s) {
   gather_springs(duration_s);
 }
 
-// Sets of elastic bodies that share a rigid body are stepped one after the other, in ascending order.
-// Independent groups run on different threads.
+// Steps elastic bodies that nothing else touches in this tick for the whole tick, before the substeps of all
+// others.
+void World::State::step_on_device(double start_s, double tick_s) {
+  for (ElasticObject* elastic : elastic_objects) elastic->stepped = false;
+  ElasticDevice* device = elastic_device();
+  if (!device || elastic_objects.empty()) return;
+  std::set<uint32_t> pulled;
+  for (const auto& [id, force] : forces) pulled.insert(force.object_id);
+  for (const auto& [id, spring] : springs) pulled.insert(spring.object_id);
+  for (const auto& [id, grab] : grabs) pulled.insert(grab.object_id);
+
+  build_elastic_groups(tick_s);  // for the neighbours within the tick
+  std::vector<DeviceBody> bodies;
+  std::vector<ElasticObject*> objects_of_bodies;
+  for (ElasticObject* elastic : elastic_objects) {
+    auto* flat = dynamic_cast<FlatBody*>(elastic->body.get());
+    const bool alone =
+        elastic->near_bodies.empty() && elastic->near_elastic.empty() && !pulled.contains(elastic->object_id);
+    if (!flat || !alone || elastic->body->asleep()) continue;
+    bodies.push_back({flat, {}});
+    objects_of_bodies.push_back(elastic);
+  }
+  if (bodies.empty()) return;
+  device->step(bodies, {.start_s = start_s,
+                        .duration_s = tick_s,
+                        .substeps = settings.substeps,
+                        .gravity_m_s2 = settings.gravity_m_s2,
+                        .colliders = colliders,
+                        .forces = {}});
+  for (size_t i = 0; i < bodies.size(); ++i) objects_of_bodies[i]->stepped = !bodies[i].reason;
+}
+
+// Groups run on different threads.
 void World::State::step_elastic(double start_s, double duration_s) {
   const auto groups = build_elastic_groups(duration_s);
   parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {
@@ -64,15 +86,14 @@ void World::State::step_elastic(double start_s, double duration_s) {
       for (const CoupledBodies& together : groups[i]) {
         std::vector<SteppedBody> stepped;
         for (ElasticObject* elastic : together) {
-          SubstepContext context;
-          context.start_s = start_s;
-          context.duration_s = duration_s;
-          context.gravity_m_s2 = settings.gravity_m_s2;
-          context.colliders = colliders;
-          context.bodies = elastic->near_bodies;
-          context.others = elastic->near_elastic;
-          context.forces = elastic->forces;
-          context.touched_ids = &elastic->contacts_this_tick;
+          const SubstepContext context{start_s,
+                                       duration_s,
+                                       settings.gravity_m_s2,
+                                       colliders,
+                                       elastic->near_bodies,
+                                       elastic->near_elastic,
+                                       elastic->forces,
+                                       &elastic->contacts_this_tick};
           stepped.push_back({elastic->body.get(), context, &elastic->contact_rows});
         }
         step_elastic_bodies(stepped);  // sleeping bodies wake on contact
@@ -111,11 +132,10 @@ void World::State::report_contacts() {
     if (RigidObject* rigid = object.rigid()) {
       double impulse = 0.0;
       Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-      for (size_t i = 0; i < rigid->body_count(); ++i) {
-        RigidBody& body = rigid->body_at(i);
-        body.last_tick_contact_impulse_n_s = std::exchange(body.contact_impulse_n_s, 0.0);
-        impulse += std::exchange(body.external_contact_impulse_n_s, 0.0);
-        moment += std::exchange(body.external_contact_moment, Eigen::Vector3d::Zero());
+      for (const auto& body : rigid->bodies) {
+        body->last_tick_contact_impulse_n_s = std::exchange(body->contact_impulse_n_s, 0.0);
+        impulse += std::exchange(body->external_contact_impulse_n_s, 0.0);
+        moment += std::exchange(body->external_contact_moment, Eigen::Vector3d::Zero());
       }
       report(id, impulse, moment);
     } else if (ElasticObject* elastic = object.elastic()) {
@@ -131,11 +151,9 @@ void World::State::report_sleep() {
     const bool asleep = object.asleep();
     if (asleep == object.reported_asleep) continue;
     object.reported_asleep = asleep;
-    WorldEvent event;
-    event.tick = tick;
-    event.kind = asleep ? WorldEventKind::Sleep : WorldEventKind::Wake;
-    event.object_id = id;
-    if (const RigidObject* rigid = object.rigid()) event.point_m = rigid->body->world_from_body.position_m;
+    WorldEvent event{tick, asleep ? WorldEventKind::Sleep : WorldEventKind::Wake, id};
+    if (const RigidObject* rigid = object.rigid())
+      event.point_m = rigid->bodies[0]->world_from_body.position_m;
     if (const ElasticObject* elastic = object.elastic()) event.point_m = elastic->body->centre_m();
     events.push_back(event);
   }
@@ -174,9 +192,8 @@ void World::step() {
   state.sleep_islands(tick_s);
   state.report_contacts();
   state.report_sleep();
-  if (state.events.size() > kMaxEvents) {
-    state.events.erase(state.events.begin(), state.events.end() - static_cast<ptrdiff_t>(kMaxEvents));
-  }
+  // The oldest pending events are discarded.
+  if (state.events.size() > 65536) state.events.erase(state.events.begin(), state.events.end() - 65536);
   state.times.total_ms = milliseconds_from_ns(now_ns() - begin_ns);
 }
 

@@ -14,7 +14,6 @@
 #include "physics/elastic/resolution/elastic_budget.h"
 #include "physics/elastic/resolution/resolution_request.h"
 #include "physics/mesh_collider.h"
-#include "physics/prepare_body.h"
 #include "scene/build/fracture_warning.h"
 #include "scene/build/part_materials.h"
 #include "scene/build/place_asset.h"

@@ -108,9 +108,6 @@ InPlane<Real> ContactFriction<Real>::sum(int count) const {
 template <typename Real>
 InPlane<Real> ContactFriction<Real>::solve(int count, const std::array<Real, kMaxManifoldPoints>& pressed_n_s,
                                            const InPlane<Real>& slip) {
-  // Points whose squared distance from their centre is a smaller fraction of that from the centre of the
-  // contact count as one. Smaller: the share of a twist is lost in rounding.
-  constexpr double kOnePoint = 1e-9;
   Limits limits_n_s;
   Real limit{}, moment_x{}, moment_y{}, square{};
   for (int i = 0; i < count; ++i) {
@@ -130,7 +127,9 @@ InPlane<Real> ContactFriction<Real>::solve(int count, const std::array<Real, kMa
   const Real each = limit > 0.0 ? 1.0 / limit : Real{};
   const Real centre_x = each * moment_x, centre_y = each * moment_y;
   const Real spread = square - centre_x * moment_x - centre_y * moment_y;
-  const auto twists = spread > kOnePoint * square;
+  // Points that are closer to their centre, relative to the centre of the contact, count as one: the share of
+  // a twist would be lost in rounding.
+  const auto twists = spread > 1e-9 * square;
   const InPlane<Real> wanted = impulse - mass_ * slip;
   const Real about_centre = wanted.turn - centre_x * wanted.y + centre_y * wanted.x;
   const Real turn = twists ? about_centre / spread : Real{};

@@ -385,11 +385,13 @@ void ContactLanes::count_momentum() {
   }
 }
 
-void ContactLanes::store_impulses() const {
+void ContactLanes::store_points() const {
   for_contacts([](const RigidIsland::Contact& contact, const Batch& batch, int lane) {
-    ContactManifold& manifold = *contact.manifold;
-    for (int p = 0; p < manifold.point_count; ++p)
-      manifold.points[static_cast<size_t>(p)].impulse_n_s = batch.point[p].impulse_n_s[lane];
+    for (int p = 0; p < contact.manifold->point_count; ++p) {
+      ContactPoint& point = contact.manifold->points[static_cast<size_t>(p)];
+      point.impulse_n_s = batch.point[p].impulse_n_s[lane];
+      point.separation_m = batch.point[p].separation_m[lane];
+    }
   });
 }
 
@@ -410,14 +412,6 @@ void ContactLanes::store_friction() const {
     if (manifold.other)
       manifold.arm_b_m +=
           contact.owner->world_from_body.position_m - manifold.other->world_from_body.position_m;
-  });
-}
-
-void ContactLanes::store_separations() const {
-  for_contacts([](const RigidIsland::Contact& contact, const Batch& batch, int lane) {
-    ContactManifold& manifold = *contact.manifold;
-    for (int p = 0; p < manifold.point_count; ++p)
-      manifold.points[static_cast<size_t>(p)].separation_m = batch.point[p].separation_m[lane];
   });
 }
 

@@ -25,9 +25,8 @@ class ContactLanes {
   void load_motion();  // velocities; the batches must not hold unstored motion
   // Velocities, and the angular momentum of the impulses since the last call.
   void store_motion();
-  void store_impulses() const;  // of the points, as RigidBody::move reads them
+  void store_points() const;    // impulses, as RigidBody::move reads them, and separations
   void store_friction() const;  // and arms, as record_impulses reads them
-  void store_separations() const;
 
   // Phases of a solver step, in order.
 

@@ -1,29 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "physics/rigid/contact/contact_manifold.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "physics/collision/contact_candidate.h"
+#include "physics/rigid/contact/find_contacts.h"
 
 namespace livegs {
 namespace {
 
-// Depth differences below this fraction of the smaller bounding radius count as equal. A resting face is then
-// supported by its corners, independent of rounding.
-constexpr double kEqualDepth = 0.002;
-
 using Chosen = std::vector<const ContactCandidate*>;
 
-// Selects up to four points that span `group` (sorted by depth). The lowest feature id wins ties, so that
-// rounding has no influence.
+// Selects up to four points that span `group` (sorted by depth). Depths that differ by less than
+// `equal_depth_m` count as equal, so a resting face is supported by its corners. The lowest feature id wins
+// ties. Rounding then has no influence.
 Chosen spread_points(Chosen group, double equal_depth_m) {
   if (group.size() <= kMaxManifoldPoints) return group;
   const double deep_m = group[0]->separation_m + equal_depth_m;
-  std::sort(group.begin(), group.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
-    return a->feature_id < b->feature_id;
-  });
+  std::ranges::sort(group, {}, &ContactCandidate::feature_id);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double deep_count = 0.0;
   for (const ContactCandidate* candidate : group) {
@@ -87,9 +82,8 @@ const ContactManifold* previous_manifold(const RigidBody& body, const ContactMan
 const ContactPoint* previous_point(const RigidBody& body, uint64_t other_id, uint64_t feature_id) {
   for (const ContactManifold& earlier : body.previous_manifolds) {
     if (earlier.other_id != other_id) continue;
-    for (int i = 0; i < earlier.point_count; ++i) {
-      if (earlier.points[i].feature_id == feature_id) return &earlier.points[i];
-    }
+    const auto point = std::ranges::find(earlier.used(), feature_id, &ContactPoint::feature_id);
+    if (point != earlier.used().end()) return &*point;
   }
   return nullptr;
 }
@@ -104,13 +98,12 @@ double friction_at(const RigidBody& body, const ContactPair& pair, const Eigen::
 }
 
 // Coefficients of the points, and the centre.
-void set_friction(const RigidBody& body, const ContactPair& pair, ContactManifold& manifold) {
-  const bool even = !body.friction.boxes && !(pair.other && pair.other->friction.boxes);
-  const double shared = even ? friction_at(body, pair, Eigen::Vector3d::Zero()) : 0.0;
+void set_friction(const RigidBody& body, ContactManifold& manifold) {
+  const bool even = !body.friction.boxes && !(manifold.other && manifold.other->friction.boxes);
+  const double shared = even ? friction_at(body, manifold, Eigen::Vector3d::Zero()) : 0.0;
   manifold.arm_a_m.setZero();
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
-    point.friction = even ? shared : friction_at(body, pair, point.arm_a_m);
+  for (ContactPoint& point : manifold.used()) {
+    point.friction = even ? shared : friction_at(body, manifold, point.arm_a_m);
     manifold.arm_a_m += point.arm_a_m / manifold.point_count;
   }
   manifold.arm_body_m = body.world_from_body.orientation.conjugate() * manifold.arm_a_m;
@@ -122,7 +115,6 @@ Pose first_from_other(const RigidBody& body, const RigidBody& other) {
 
 void remember(const RigidBody& body, ContactManifold& manifold) {
   const Pose& other = manifold.other->world_from_body;
-  manifold.lasts = true;
   manifold.normal_is_others = manifold.turns;  // points of the first body on a face of the other
   const Eigen::Quaterniond& axes =
       manifold.normal_is_others ? other.orientation : body.world_from_body.orientation;
@@ -130,8 +122,7 @@ void remember(const RigidBody& body, ContactManifold& manifold) {
   const Pose relative = first_from_other(body, *manifold.other);
   manifold.found_turn = relative.orientation;
   manifold.found_shift_m = relative.position_m;
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
+  for (ContactPoint& point : manifold.used()) {
     point.anchor_b_m = other.orientation.conjugate() * (body.world_from_body.position_m + point.arm_a_m -
                                                         point.separation_m * point.normal - other.position_m);
   }
@@ -158,14 +149,13 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair) {
   const Pose& place = body.world_from_body;
   manifold.normal = (manifold.normal_is_others ? other.world_from_body.orientation : place.orientation) *
                     manifold.found_normal;
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
+  for (ContactPoint& point : manifold.used()) {
     point.normal = manifold.normal;
     point.arm_a_m = place.orientation * point.arm_body_m;
     const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
     point.separation_m = manifold.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
   }
-  set_friction(body, pair, manifold);
+  set_friction(body, manifold);
   body.manifolds.push_back(manifold);
   return true;
 }
@@ -176,9 +166,8 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
     return !std::isfinite(candidate.separation_m) || !candidate.point_m.allFinite() ||
            !candidate.normal.allFinite();
   });
-  std::sort(candidates.begin(), candidates.end(), [](const ContactCandidate& a, const ContactCandidate& b) {
-    return a.separation_m != b.separation_m ? a.separation_m < b.separation_m : a.feature_id < b.feature_id;
-  });
+  std::ranges::sort(candidates, {},
+                    [](const ContactCandidate& one) { return std::pair(one.separation_m, one.feature_id); });
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
   std::vector<char> taken(candidates.size(), 0);
   for (size_t seed = 0; seed < candidates.size(); ++seed) {
@@ -189,17 +178,11 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
       taken[i] = 1;
       group.push_back(&candidates[i]);
     }
-    Chosen chosen = spread_points(std::move(group), kEqualDepth * pair.size_m);
-    std::sort(chosen.begin(), chosen.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
-      return a->feature_id < b->feature_id;
-    });
+    Chosen chosen = spread_points(std::move(group), 0.2 * kContactMargin * pair.size_m);
+    std::ranges::sort(chosen, {}, &ContactCandidate::feature_id);
 
     ContactManifold manifold;
-    manifold.other = pair.other;
-    manifold.other_id = pair.other_id;
-    manifold.restitution = pair.restitution;
-    manifold.restitution_speed_m_s = pair.restitution_speed_m_s;
-    manifold.push_speed_m_s = pair.push_speed_m_s;
+    static_cast<ContactPair&>(manifold) = pair;
     manifold.turns = chosen.back()->feature_id < kForeignFeature;
     manifold.normal.setZero();
     for (const ContactCandidate* candidate : chosen) {
@@ -217,7 +200,7 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
       manifold.normal += candidate->normal;
     }
     manifold.normal.normalize();
-    set_friction(body, pair, manifold);
+    set_friction(body, manifold);
     if (pair.lasts) remember(body, manifold);
     if (const ContactManifold* earlier = previous_manifold(body, manifold)) {
       manifold.friction_impulse_n_s = earlier->friction_impulse_n_s;

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 // Contact manifold between a rigid body and another body or collider: up to four points.
 
@@ -14,8 +16,6 @@ struct RigidBody;
 
 // Maximum number of points per manifold. Four span any flat contact.
 inline constexpr int kMaxManifoldPoints = 4;
-
-inline constexpr double kNoImpact = -1e300;
 
 struct ContactPoint {
   uint64_t feature_id = 0;
@@ -27,8 +27,9 @@ struct ContactPoint {
   // during the substep.
   bool turns = false;
   // Speeds of an impact: closing speed, closing speed at touch, and speed at which it leaves, < 0 if it has
-  // yet to arrive; kNoImpact: not one.
-  double closing_m_s = 0, touch_m_s = 0, leaving_m_s = kNoImpact;
+  // yet to arrive; nullopt: not one.
+  double closing_m_s = 0, touch_m_s = 0;
+  std::optional<double> leaving_m_s;
   double friction = 0;     // coefficient of the surfaces that touch here
   double impulse_n_s = 0;  // of this step, >= 0; warm start of the next one
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();  // likewise, of this point alone
@@ -36,13 +37,19 @@ struct ContactPoint {
   Eigen::Vector3d anchor_b_m;  // position on the other body at detection, in its axes (reuse_manifold)
 };
 
-struct ContactManifold {
-  RigidBody* other = nullptr;  // nullptr: a collider, which is static
-  uint64_t other_id = 0;       // RigidBody::body_id, or kColliderBit + collider index
+// Properties of all contacts of a pair.
+struct ContactPair {
+  RigidBody* other = nullptr;    // nullptr: a collider, which is static
+  uint64_t other_id = 0;         // RigidBody::body_id, or of a collider, above those
+  double collider_friction = 0;  // without another body
   double restitution = 0;
   double restitution_speed_m_s = 0;  // slower impacts do not bounce
   double push_speed_m_s = 0;         // maximum speed of overlap correction
+  double size_m = 0;                 // bounding radius of the smaller body
+  bool lasts = false;                // two convex bodies: contacts are reusable while the pair does not move
+};
 
+struct ContactManifold : ContactPair {
   std::array<ContactPoint, kMaxManifoldPoints> points;
   int point_count = 0;
 
@@ -57,13 +64,13 @@ struct ContactManifold {
 
   Eigen::Vector3d arm_b_m;
   // State at detection, valid while the bodies do not move relative to each other (reuse_manifold).
-  bool lasts = false;
   bool normal_is_others = false;  // normal fixed in the other body's axes, else in the first body's
   Eigen::Vector3d found_normal;   // in those axes
   Eigen::Quaterniond found_turn;  // first body from other body
   Eigen::Vector3d found_shift_m;
-};
 
-inline constexpr uint64_t kColliderBit = uint64_t{1} << 40;
+  std::span<ContactPoint> used() { return {points.data(), static_cast<size_t>(point_count)}; }
+  std::span<const ContactPoint> used() const { return {points.data(), static_cast<size_t>(point_count)}; }
+};
 
 }  // namespace livegs

@@ -59,13 +59,7 @@ inline void twist(RigidBody& body, double impulse, const Vector3d& axis, const V
   body.angular_velocity_rad_s += impulse * turn;
 }
 
-inline void apply_twist(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double impulse) {
-  twist(a, impulse, manifold.normal, rows.twist_turn_a);
-  if (manifold.other) twist(*manifold.other, -impulse, manifold.normal, rows.twist_turn_b);
-}
-
-// Deviation of a rotating point from its straight path in `step_s`, along the normal. Without it, the next
-// facets of a rolling body would be stopped before they land, and a body pivoting on a corner would rise.
+// As in contact_lanes.cpp.
 inline double way_off_line_m(const RigidBody& body, const ContactPoint& point, double step_s) {
   if (!point.turns) return 0.0;
   const Vector3d& spin = body.angular_velocity_rad_s;
@@ -99,7 +93,6 @@ ContactSoftness contact_softness(double step_s) {
 ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold) {
   ManifoldRows rows;
   const RigidBody* b = manifold.other;
-  // Both bodies are pushed at the same point, which conserves angular momentum.
   const Vector3d between =
       b ? Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Vector3d::Zero();
   const Eigen::Matrix3d rotation = a.world_from_body.orientation.toRotationMatrix();
@@ -138,13 +131,15 @@ ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold) {
 
 double total_impulse(const ContactManifold& manifold) {
   double total = 0.0;
-  for (int i = 0; i < manifold.point_count; ++i) total += manifold.points[i].impulse_n_s;
+  for (const ContactPoint& point : manifold.used()) total += point.impulse_n_s;
   return total;
 }
 
 void scale_impulses(ContactManifold& manifold, double factor) {
-  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
-  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].friction_impulse_n_s *= factor;
+  for (ContactPoint& point : manifold.used()) {
+    point.impulse_n_s *= factor;
+    point.friction_impulse_n_s *= factor;
+  }
   manifold.friction_impulse_n_s *= factor;
   manifold.twist_impulse *= factor;
 }
@@ -160,7 +155,8 @@ void solve_friction(RigidBody& a, ContactManifold& manifold, ManifoldRows& rows)
                            speed_along(a, manifold.other, rows.bitangent), turning});
   apply(a, manifold.other, rows.tangent, change.x);
   apply(a, manifold.other, rows.bitangent, change.y);
-  apply_twist(a, manifold, rows, change.turn);
+  twist(a, change.turn, manifold.normal, rows.twist_turn_a);
+  if (manifold.other) twist(*manifold.other, -change.turn, manifold.normal, rows.twist_turn_b);
 }
 
 void store_friction(ContactManifold& manifold, const ManifoldRows& rows) {
@@ -178,9 +174,8 @@ double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s
   const RigidBody* b = manifold.other;
   const Vector3d between =
       b ? Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Vector3d::Zero();
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
-    point.leaving_m_s = kNoImpact;
+  for (ContactPoint& point : manifold.used()) {
+    point.leaving_m_s.reset();
     Vector3d velocity_m_s = a.point_velocity(point.arm_a_m);
     if (b) velocity_m_s -= b->point_velocity(point.arm_a_m + between);
     const double closing = -point.normal.dot(velocity_m_s);
@@ -211,8 +206,8 @@ double solve_impact(RigidBody& a, ContactManifold& manifold, const ManifoldRows&
   double largest_m_s = 0.0;
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
-    if (point.leaving_m_s == kNoImpact) continue;
-    const double short_m_s = point.leaving_m_s - speed_along(a, manifold.other, rows.points[i]);
+    if (!point.leaving_m_s) continue;
+    const double short_m_s = *point.leaving_m_s - speed_along(a, manifold.other, rows.points[i]);
     const double impulse = std::max(0.0, point.impulse_n_s + rows.points[i].mass_kg * short_m_s);
     const double change = impulse - point.impulse_n_s;
     apply(a, manifold.other, rows.points[i], change);

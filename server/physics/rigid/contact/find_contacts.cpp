@@ -6,10 +6,8 @@
 #include <numeric>
 
 #include "physics/ablation/ablation.h"
-#include "physics/collision/collider_features.h"
 #include "physics/collision/contact_candidate.h"
-#include "physics/collision/round_contact.h"
-#include "physics/rigid/contact/contact_manifold.h"
+#include "physics/mesh_collider.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/narrow_phase.h"
 #include "physics/rigid/joint/joint_group.h"
@@ -23,13 +21,8 @@ constexpr double kPushSizesPerSecond = 5.0;  // bounding diameters per second
 // Two bodies of the same shape coincide if their centres are closer than these fractions of the thinnest side
 // and of the wall thickness. Nested bowls do not.
 constexpr double kCoincidentDistance = 0.25, kCoincidentWall = 0.75;
-// Depth of a deep overlap, relative to the smaller bounding radius; resting overlaps are a tenth of that.
-constexpr double kDeepPenetration = 0.005;
-constexpr double kOppositeCosine = 0.5;  // normals with a cosine below minus this are opposite
 // minimum ratio of |sum of depths| to sum of |depths| for a defined direction
 constexpr double kMinNetDepth = 0.3;
-// Falls below this fraction of the smaller bounding radius do not bounce.
-constexpr double kRestitutionDrop = 0.01;
 
 // Safe fraction of a sampled distance for marching; other shapes have exact distances.
 double marching_factor(const Collider& collider) {
@@ -43,7 +36,8 @@ double sample_error_m(const Collider& collider) {
 
 double margin_m(const RigidBody& body) { return kContactMargin * body.shape.bounding_radius_m; }
 
-// Contact parameters of a pair. The smaller body determines size_m and the sleep speed.
+// Contact parameters of a pair. The smaller body determines size_m and the sleep speed. Falls within the
+// contact margin do not bounce.
 ContactPair pair_of(const RigidBody& body, const RigidBody* other, double restitution, double gravity_m_s2,
                     double duration_s) {
   ContactPair pair;
@@ -51,9 +45,9 @@ ContactPair pair_of(const RigidBody& body, const RigidBody* other, double restit
   const RigidBody& smaller =
       other && other->shape.bounding_radius_m < body.shape.bounding_radius_m ? *other : body;
   pair.size_m = smaller.shape.bounding_radius_m;
-  pair.restitution_speed_m_s = std::max({2.0 * gravity_m_s2 * duration_s,
-                                         std::sqrt(2.0 * gravity_m_s2 * kRestitutionDrop * pair.size_m),
-                                         sleep_speed_m_s(smaller.shape)});
+  pair.restitution_speed_m_s =
+      std::max({2.0 * gravity_m_s2 * duration_s, std::sqrt(2.0 * gravity_m_s2 * kContactMargin * pair.size_m),
+                sleep_speed_m_s(smaller.shape)});
   pair.push_speed_m_s = std::min(kMaxPushSpeed_m_s, kPushSizesPerSecond * 2.0 * pair.size_m);
   return pair;
 }
@@ -97,16 +91,77 @@ void point_candidates(const RigidBody& body, const Collider& collider, double mo
   }
 }
 
-void feature_candidates(const RigidBody& body, const Collider& collider, const ContactSearch& search,
-                        std::vector<ContactCandidate>& candidates) {
-  const double reach = body.shape.bounding_radius_m;
-  const Eigen::Quaterniond& orientation = body.world_from_body.orientation;
-  const double motion =
-      search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
-  for (const ColliderFeature& feature :
-       collider_features(collider, body.world_from_body.position_m, reach + motion + search.margin_m,
-                         body.shape.contact_spacing_m)) {
-    const Eigen::Vector3d arm = feature.point_m - body.world_from_body.position_m;
+// Convex features of a collider, which may press into a face between a body's contact points: points on the
+// edges and corners of a box or the ridges of a mesh (radius 0, or half the wall thickness of a thin-wall
+// collider), or the centre of a sphere (its radius).
+struct ColliderFeature {
+  uint64_t id;
+  Eigen::Vector3d point_m;  // world frame
+  double radius_m;
+};
+
+void box_features(const BoxShape& box, const Collider& collider, const Eigen::Vector3d& centre, double reach,
+                  double spacing, std::vector<ColliderFeature>& features) {
+  const Eigen::Vector3d half = 0.5 * box.size_m;
+  const Eigen::Vector3d local = collider.world_from_collider.inverse() * centre;
+  for (uint64_t corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d point((corner & 1) ? half.x() : -half.x(), (corner & 2) ? half.y() : -half.y(),
+                                (corner & 4) ? half.z() : -half.z());
+    if ((point - local).norm() <= reach) {
+      features.push_back({kCornerFeature + corner, collider.world_from_collider * point, 0.0});
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (uint64_t side = 0; side < 4; ++side) {
+      Eigen::Vector3d point = Eigen::Vector3d::Zero();
+      point[u] = (side & 1) ? half[u] : -half[u];
+      point[v] = (side & 2) ? half[v] : -half[v];
+      const double du = point[u] - local[u], dv = point[v] - local[v];
+      const double chord2 = reach * reach - du * du - dv * dv;
+      if (chord2 < 0.0) continue;
+      const double chord = std::sqrt(chord2);
+      const double low = std::max(-half[axis], local[axis] - chord),
+                   high = std::min(half[axis], local[axis] + chord);
+      for (int64_t k = static_cast<int64_t>(std::ceil(low / spacing)); k * spacing <= high; ++k) {
+        point[axis] = static_cast<double>(k) * spacing;
+        const uint64_t id = kEdgeFeature + (static_cast<uint64_t>(axis) * 4 + side) * (uint64_t{1} << 26) +
+                            static_cast<uint64_t>(k + (int64_t{1} << 25));
+        features.push_back({id, collider.world_from_collider * point, 0.0});
+      }
+    }
+  }
+}
+
+void ridge_features(const FieldShape& shape, const Collider& collider, const Eigen::Vector3d& centre,
+                    double reach, std::vector<ColliderFeature>& features) {
+  const RidgePoints& ridges = *shape.ridges;
+  const Eigen::Vector3d local = collider.world_from_collider.inverse() * centre;
+  std::vector<uint32_t> near;
+  reach += shape.half_thickness_m;
+  ridges.tree.near([&](const Eigen::Vector3d& point) { return (point - local).norm(); }, reach, near);
+  for (const uint32_t i : near) {
+    const Eigen::Vector3d& point = ridges.points_m[i];
+    if ((point - local).norm() > reach) continue;
+    features.push_back({kRidgeFeature + i, collider.world_from_collider * point, shape.half_thickness_m});
+  }
+}
+
+// Features within `reach_m` of the centre of the body. Points on box edges have fixed positions, so their ids
+// are stable; mesh ridges have the spacing of their construction. Planes have no features.
+void feature_candidates(const RigidBody& body, const Collider& collider, double reach_m,
+                        const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
+  const auto& [centre_m, orientation] = body.world_from_body;
+  std::vector<ColliderFeature> features;
+  if (const auto* box = std::get_if<BoxShape>(&collider.shape)) {
+    box_features(*box, collider, centre_m, reach_m, body.shape.contact_spacing_m, features);
+  } else if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) {
+    features.push_back({kSphereFeature, collider.world_from_collider.position_m, sphere->radius_m});
+  } else if (const auto* field = std::get_if<FieldShape>(&collider.shape); field && field->ridges) {
+    ridge_features(*field, collider, centre_m, reach_m, features);
+  }
+  for (const ColliderFeature& feature : features) {
+    const Eigen::Vector3d arm = feature.point_m - centre_m;
     const auto sample = [&](const Eigen::Vector3d& from_centre) {
       const DistanceField::Sample field = body.shape.sample(orientation.conjugate() * from_centre);
       return SurfaceSample{field.distance_m - feature.radius_m, orientation * field.gradient};
@@ -128,17 +183,18 @@ void collider_candidates(const RigidBody& body, const Collider& collider, const 
   const double motion =
       search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
   const double distance = sample_surface(collider, body.world_from_body.position_m).distance_m;
-  if (marching_factor(collider) * distance > reach + motion + search.margin_m) return;
+  const double within = reach + motion + search.margin_m;
+  if (marching_factor(collider) * distance > within) return;
   const auto* box = std::get_if<BoxShape>(&collider.shape);
   if (body.shape.convex && box && box->polyhedron) {
-    MovingPolyhedron wall;
-    wall.placed = {box->polyhedron.get(), collider.world_from_collider.orientation.toRotationMatrix(),
-                   collider.world_from_collider.position_m};
+    const MovingPolyhedron wall{{box->polyhedron.get(),
+                                 collider.world_from_collider.orientation.toRotationMatrix(),
+                                 collider.world_from_collider.position_m}};
     polyhedron_candidates(moving_polyhedron(body), wall, search, candidates);
     return;
   }
   point_candidates(body, collider, motion, search, candidates);
-  feature_candidates(body, collider, search, candidates);
+  feature_candidates(body, collider, within, search, candidates);
 }
 
 void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2,
@@ -147,26 +203,23 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
   std::vector<ContactCandidate> cores;
   for (size_t index = 0; index < colliders.size(); ++index) {
     const Collider& collider = colliders[index];
+    const auto sample = [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); };
+    const double marching = marching_factor(collider);
     candidates.clear();
     if (body.shape.is_ball()) {
-      ball_candidates(
-          body.world_from_body.position_m, body.shape.sphere_radius_m,
-          [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); }, body.velocity_m_s,
-          marching_factor(collider), search, candidates);
+      ball_candidates(body.world_from_body.position_m, body.shape.sphere_radius_m, sample, body.velocity_m_s,
+                      marching, search, candidates);
     } else {
       collider_candidates(body, collider, search, candidates);
     }
-    if (body.shape.round)
-      move_to_round_surface(*body.shape.round, body.world_from_body, PairSide::First, candidates);
+    move_to_round_surface(body, PairSide::First, candidates);
     cores.clear();
-    core_candidates(
-        body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); },
-        body.velocity_m_s, marching_factor(collider), search, cores);
+    core_candidates(body, sample, body.velocity_m_s, marching, search, cores);
     if (without(Mechanism::BodyCores)) cores.clear();
     if (candidates.empty() && cores.empty()) continue;
     ContactPair pair = pair_of(body, nullptr, collider.restitution, gravity_m_s2, duration_s);
     pair.collider_friction = collider.friction;
-    pair.other_id = kColliderBit + index;
+    pair.other_id = (uint64_t{1} << 40) + index;
     append_manifolds(body, pair, candidates);
     // Separate manifold: among closer points the core would be dropped.
     append_manifolds(body, pair, cores);
@@ -214,7 +267,7 @@ void separate_deep_overlap(const Eigen::Vector3d& between, double size_m,
   const auto depth_m = [](const ContactCandidate& candidate) {
     return std::max(0.0, -candidate.separation_m);
   };
-  const double deep_m = kDeepPenetration * size_m;
+  const double deep_m = 0.5 * kContactMargin * size_m;  // resting overlaps are a tenth of that
   bool stuck = false;
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
   double sum_m = 0.0;
@@ -224,7 +277,7 @@ void separate_deep_overlap(const Eigen::Vector3d& between, double size_m,
     sum_m += depth_m(candidates[i]);
     for (size_t k = 0; k < i && !stuck; ++k) {
       stuck = depth_m(candidates[k]) > deep_m &&
-              candidates[i].normal.dot(candidates[k].normal) < -kOppositeCosine;
+              candidates[i].normal.dot(candidates[k].normal) < -kSameSideCosine;
     }
   }
   if (!stuck || without(Mechanism::DeepOverlaps)) return;
@@ -262,10 +315,8 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
     if (!cores.empty() && !without(Mechanism::BodyCores)) append_manifolds(body, pair, cores);
   }
-  if (body.shape.round)
-    move_to_round_surface(*body.shape.round, body.world_from_body, PairSide::First, candidates);
-  if (other.shape.round)
-    move_to_round_surface(*other.shape.round, other.world_from_body, PairSide::Other, candidates);
+  move_to_round_surface(body, PairSide::First, candidates);
+  move_to_round_surface(other, PairSide::Other, candidates);
   if (!candidates.empty()) append_manifolds(body, pair, candidates);
 }
 

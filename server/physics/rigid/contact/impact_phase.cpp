@@ -11,23 +11,15 @@
 namespace livegs {
 namespace {
 
-// Maximum number of rounds; an impulse passes one more body of a row in each. Closing contacts that are left
-// then do not bounce. Larger: impulses pass along longer rows, more time.
+// Maximum number of rounds, and of sweeps in each; an impulse passes one more body of a row in each round.
+// Closing contacts that are left then do not bounce. Larger: impulses pass along longer rows, more time.
 constexpr int kMaxImpactRounds = 64;
-// Sweeps of a round end when no contact changes by more than this fraction of the fastest closing speed.
-constexpr double kImpactTolerance = 1e-7;
-constexpr int kMaxImpactSweeps = 64;
-
 // Closing speed, relative to the fastest of the impact, down to which it is passed on. Smaller: more rounds.
 constexpr double kPassedOn = 0.01;
 
-struct Motion {
-  Eigen::Vector3d velocity_m_s, angular_momentum, angular_velocity_rad_s;
-};
-
 // Fraction of the impulses since `before` with which kinetic energy does not grow: E(s) = before + s linear +
 // s² square.
-double fraction_within_energy(std::span<RigidBody* const> bodies, std::span<const Motion> before) {
+double fraction_within_energy(std::span<RigidBody* const> bodies, std::span<const RigidMotion> before) {
   double linear = 0.0, square = 0.0;
   for (size_t i = 0; i < bodies.size(); ++i) {
     const RigidBody& body = *bodies[i];
@@ -41,7 +33,7 @@ double fraction_within_energy(std::span<RigidBody* const> bodies, std::span<cons
   return square > 0.0 && linear + square > 0.0 ? std::clamp(-linear / square, 0.0, 1.0) : 1.0;
 }
 
-void scale_motion(std::span<RigidBody* const> bodies, std::span<const Motion> before, double part) {
+void scale_motion(std::span<RigidBody* const> bodies, std::span<const RigidMotion> before, double part) {
   for (size_t i = 0; i < bodies.size(); ++i) {
     RigidBody& body = *bodies[i];
     if (body.asleep) continue;
@@ -71,8 +63,7 @@ void record_point(RigidBody& body, const ContactManifold& manifold, const RigidB
 
 void record_impulses(RigidBody& body, const ContactManifold& manifold, ImpulseKind kind, double remaining_s) {
   RigidBody* const other = manifold.other;
-  for (int i = 0; i < manifold.point_count; ++i) {
-    const ContactPoint& point = manifold.points[i];
+  for (const ContactPoint& point : manifold.used()) {
     const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
     if (!body.asleep) record_point(body, manifold, other, point, point.normal, where, kind, remaining_s);
     if (other && !other->asleep)
@@ -111,7 +102,7 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
   const double fastest_m_s = find_closing(0.0);
   if (closing.empty()) return;
 
-  std::vector<Motion> before(island.bodies.size());
+  std::vector<RigidMotion> before(island.bodies.size());
   for (int round = 0; round < kMaxImpactRounds && !closing.empty(); ++round) {
     std::vector<ContactManifold> resting;  // impulses for the warm start of the step
     for (const RigidIsland::Contact* contact : closing) {
@@ -124,12 +115,9 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
       contact->manifold->twist_impulse = 0.0;
       rows_of(contact).friction.clear();
     }
-    for (size_t i = 0; i < before.size(); ++i) {
-      const RigidBody& body = *island.bodies[i];
-      before[i] = {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s};
-    }
+    for (size_t i = 0; i < before.size(); ++i) before[i] = island.bodies[i]->motion();
     for (JointGroup* group : joints) group->begin_impact();
-    for (int sweep = 0; sweep < kMaxImpactSweeps; ++sweep) {
+    for (int sweep = 0; sweep < kMaxImpactRounds; ++sweep) {
       double change_m_s = 0.0;
       for (const RigidIsland::Contact* contact : closing) {
         change_m_s =
@@ -137,7 +125,7 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
         solve_friction(*contact->owner, *contact->manifold, rows_of(contact));
       }
       for (JointGroup* group : joints) group->solve_impact();
-      if (change_m_s <= kImpactTolerance * fastest_m_s) break;
+      if (change_m_s <= 1e-7 * fastest_m_s) break;
     }
     const double part = fraction_within_energy(island.bodies, before);
     if (part < 1.0) scale_motion(island.bodies, before, part);

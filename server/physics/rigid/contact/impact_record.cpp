@@ -65,7 +65,7 @@ void ImpactRecord::record_contact(const Eigen::Quaterniond& world_from_body, con
   double at_touch = 1.0;  // an impact is resolved up to a step before it would happen
   if (impact) {
     if (point.leaving_m_s >= 0.0)
-      at_touch = (1.0 + manifold.restitution) * point.touch_m_s / (point.closing_m_s + point.leaving_m_s);
+      at_touch = (1.0 + manifold.restitution) * point.touch_m_s / (point.closing_m_s + *point.leaving_m_s);
     impact_age_s_ = std::max(impact_age_s_, remaining_s);
   }
   ImpulseAccumulator& sum = impact ? impacts_ : contacts_;

@@ -7,10 +7,8 @@
 // Loads that may break a rigid body: impacts, summed over a window, and sustained loads.
 //
 // An impact (impact_phase.h) is recorded as its impulse, m v (1 + e) for a single body that closes with v,
-// independent of the substep. Weight, piles and hands also push; their impulse per tick grows with its length
-// and does not measure force. A sustained force (weight, hand, joint)
-// therefore counts as its impulse during kImpactDuration_s, the duration of an impact. Equal stress then
-// breaks equal bonds.
+// independent of the substep. The impulse per tick of a sustained force (weight, hand, joint) grows with the
+// tick, so it counts as the impulse during kImpactDuration_s. Equal stress then breaks equal bonds.
 
 namespace livegs {
 

@@ -11,13 +11,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Preference of a face over a deeper edge, relative to the margin, because face contacts persist.
-constexpr double kFacePreference = 0.1;
 // Displacement per substep, relative to the smaller inner radius, above which a pair is advanced.
 constexpr double kFastDisplacement = 0.5;
-// Maximum number of steps of conservative advancement.
-constexpr int kMaxAdvances = 32;
-constexpr double kSeparationRounding = 1e-9;
+
+// Points of a round surface closer than this fraction of the radius are one.
+constexpr double kSamePoint = 1e-3;
 
 // Maximum approach of points of two bodies during the search.
 double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
@@ -29,11 +27,11 @@ double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& sear
 bool boxes_apart(const RigidBody& a, const RigidBody& b, double reach_m) {
   const Eigen::Quaterniond b_axes = b.world_from_body.orientation.conjugate();
   const Eigen::Matrix3d into = (b_axes * a.world_from_body.orientation).toRotationMatrix();
-  const Vector3d middle = into * (0.5 * (a.shape.min_m + a.shape.max_m)) +
-                          b_axes * (a.world_from_body.position_m - b.world_from_body.position_m);
-  const Vector3d half = into.cwiseAbs() * (0.5 * (a.shape.max_m - a.shape.min_m));
-  const double room = (1.0 + kSeparationRounding) * reach_m +
-                      kSeparationRounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
+  const auto [middle, half] =
+      turned_box(a.shape, into, b_axes * (a.world_from_body.position_m - b.world_from_body.position_m));
+  const double rounding = 1e-9;
+  const double room =
+      (1.0 + rounding) * reach_m + rounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
   return ((middle - half).array() > b.shape.max_m.array() + room).any() ||
          ((middle + half).array() < b.shape.min_m.array() - room).any();
 }
@@ -91,7 +89,7 @@ PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
 std::optional<double> time_of_impact(const MovingPolyhedron& a, const MovingPolyhedron& b, double speed_m_s,
                                      const ContactSearch& search) {
   double time = 0.0;
-  for (int i = 0; i < kMaxAdvances; ++i) {
+  for (int i = 0; i < 32; ++i) {
     const double left = speed_m_s * (search.duration_s - time);
     const double gap = polyhedron_gap_m(advanced(a, time), advanced(b, time), left + search.margin_m);
     if (gap < search.margin_m) return time;
@@ -99,6 +97,32 @@ std::optional<double> time_of_impact(const MovingPolyhedron& a, const MovingPoly
     if (time > search.duration_s) return std::nullopt;
   }
   return time;
+}
+
+// Moves `point`, which is near the surface, to the exact surface point that faces along `outward`. Returns
+// false if it stays.
+bool move_point(const RoundShape& round, const Pose& pose, const Eigen::Vector3d& outward,
+                Eigen::Vector3d& point, uint64_t& feature) {
+  const Eigen::Vector3d axis = pose.orientation * round.axis, centre = pose * round.centre_m;
+  const Eigen::Vector3d from_centre = point - centre;
+  const double along = std::clamp(axis.dot(from_centre), -round.half_length_m, round.half_length_m);
+  const bool at_end = std::abs(along) > (1.0 - kSamePoint) * round.half_length_m;
+  feature = kRoundFeature + (at_end ? (along > 0.0 ? 1u : 0u) : 2u);
+  if (round.kind == RoundShape::Kind::Capsule) {
+    point = centre + along * axis + round.radius_m * outward;
+    return true;
+  }
+  const double end_cosine = outward.dot(axis);
+  const Eigen::Vector3d across = outward - end_cosine * axis;
+  const double sine = across.norm();
+  if (sine < 1e-3) return false;  // the contact is with a flat end as a whole
+  const Eigen::Vector3d lowest = across / sine;
+  const Eigen::Vector3d radial = from_centre - axis.dot(from_centre) * axis;
+  // At an end only points near the lowest line move: within cos 15 degrees about the axis, a facet of a
+  // cylinder with 24 segments.
+  if (std::abs(end_cosine) > kSameSideCosine && radial.dot(lowest) < 0.966 * round.radius_m) return false;
+  point = centre + along * axis + round.radius_m * lowest;
+  return true;
 }
 
 }  // namespace
@@ -149,7 +173,7 @@ void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b,
                        a.angular_velocity_rad_s.norm() * a.reach_m +
                        b.angular_velocity_rad_s.norm() * b.reach_m;
   const double displacement = search.duration_s * speed;
-  const double tolerance = kFacePreference * search.margin_m;
+  const double tolerance = 0.1 * search.margin_m;  // a face is preferred to an edge: its contacts persist
   const double inner = std::min(a.placed.shape->inner_radius_m, b.placed.shape->inner_radius_m);
   if (displacement <= kFastDisplacement * inner) {
     polyhedron_contacts(a.placed, b.placed, search.margin_m + displacement, tolerance, candidates);
@@ -170,6 +194,37 @@ void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b,
     candidate.separation_m -= *time * velocity.dot(candidate.normal);
     candidate.point_m = a.placed.position_m + a.placed.rotation * (a_then.rotation.transpose() * arm_then);
   }
+}
+
+void move_to_round_surface(const RigidBody& body, PairSide side, std::vector<ContactCandidate>& candidates) {
+  if (!body.shape.round) return;
+  const RoundShape& round = *body.shape.round;
+  size_t kept = 0;
+  std::vector<Eigen::Vector3d> moved;
+  for (const ContactCandidate& found : candidates) {
+    ContactCandidate candidate = found;
+    const bool first = side == PairSide::First;
+    // The point of the other body lies at the separation behind the point of the first.
+    const Eigen::Vector3d outward = first ? Eigen::Vector3d(-candidate.normal) : candidate.normal;
+    const Eigen::Vector3d before =
+        first ? candidate.point_m : candidate.point_m - candidate.separation_m * candidate.normal;
+    Eigen::Vector3d after = before;
+    uint64_t feature = 0;
+    if (move_point(round, body.world_from_body, outward, after, feature)) {
+      const auto same = [&](const Vector3d& other) {
+        return (other - after).norm() < kSamePoint * round.radius_m;
+      };
+      if (std::ranges::any_of(moved, same)) continue;
+      moved.push_back(after);
+      candidate.separation_m -= outward.dot(after - before);
+      if (first) {
+        candidate.point_m = after;
+        candidate.feature_id = feature;
+      }
+    }
+    candidates[kept++] = candidate;
+  }
+  candidates.resize(kept);
 }
 
 }  // namespace livegs

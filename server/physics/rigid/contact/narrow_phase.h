@@ -8,7 +8,7 @@
 #include "physics/collider.h"
 #include "physics/collision/conservative_advancement.h"
 #include "physics/collision/contact_candidate.h"
-#include "physics/collision/polyhedron_manifold.h"
+#include "physics/collision/convex_polyhedron.h"
 #include "physics/rigid/rigid_body.h"
 
 // Contact candidates of two surfaces that touch or will touch within one substep, one function for each kind
@@ -112,5 +112,12 @@ struct MovingPolyhedron {
 MovingPolyhedron moving_polyhedron(const RigidBody& body);
 void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b, const ContactSearch& search,
                            std::vector<ContactCandidate>& candidates);
+
+// Contacts of a cylinder or capsule are found on its mesh, which has facets. Moves the points of `candidates`
+// to the exact surface, so that the body rolls, and joins those that coincide. The body is the first of the
+// pair, or else the other one. Contacts with the flat ends of a cylinder, away from their lowest point, stay
+// as they are. No effect on other shapes.
+enum class PairSide { First, Other };
+void move_to_round_surface(const RigidBody& body, PairSide side, std::vector<ContactCandidate>& candidates);
 
 }  // namespace livegs

@@ -15,19 +15,12 @@ namespace {
 constexpr double kWorkTolerance = 1e-3;
 // Decay time of the peak of kinetic energy, s.
 constexpr double kEnergyMemory_s = 2.0;
-// Relative to the energy that the held bodies would have gained in free motion.
-constexpr double kEnergyRounding = 1e-18;
 
 }  // namespace
 
-JointGroup::Motion JointGroup::motion_of(const RigidBody& body) {
-  return {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s,
-          body.world_from_body.position_m};
-}
-
 void JointGroup::begin() {
   for (size_t i = 0; i < bodies_.size(); ++i) {
-    starts_[i] = motion_of(*bodies_[i]);
+    starts_[i] = bodies_[i]->motion();
     starts_[i].velocity_m_s = bodies_[i]->substep_velocity_m_s;
     before_[i] = starts_[i];
     given_[i] = others_[i] = {};
@@ -40,25 +33,19 @@ void JointGroup::note_others() {
     const RigidBody& body = *bodies_[i];
     others_[i].push_n_s += body.mass_kg * (body.velocity_m_s - before_[i].velocity_m_s) - given_[i].push_n_s;
     others_[i].turn += body.angular_momentum - before_[i].angular_momentum - given_[i].turn;
-    before_[i] = motion_of(body);
+    before_[i] = body.motion();
     given_[i] = {};
   }
-}
-
-double JointGroup::kinetic_j(const Motion& motion, const RigidBody& body) {
-  return 0.5 *
-         (body.mass_kg * motion.velocity_m_s.squaredNorm() + motion.spin_rad_s.dot(motion.angular_momentum));
 }
 
 // Limits the kinetic energy to the work of `others`, with the mean of the motion before and after, plus
 // `allowance_j`. Scales the group's motion, for a free group the motion about its centre, and returns the
 // factor. Linear momentum is conserved; a free group's angular momentum about its centre is scaled too.
-double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
+double JointGroup::limit_kinetic_energy(const std::vector<RigidMotion>& starts,
                                         const std::vector<Impulses>& others, double allowance_j) {
   Eigen::Vector3d common = Eigen::Vector3d::Zero();
   double common_j = 0.0;
-  if (std::none_of(joints_.begin(), joints_.end(),
-                   [](const RigidJoint& joint) { return joint.b == nullptr; })) {
+  if (std::ranges::all_of(joints_, &RigidJoint::b)) {  // none to the world
     double mass_kg = 0.0;
     for (const RigidBody* body : bodies_) {
       mass_kg += body->mass_kg;
@@ -72,12 +59,13 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const RigidBody& body = *bodies_[i];
     own_j += body.kinetic_j();
-    start_j += kinetic_j(starts[i], body);
+    start_j += starts[i].kinetic_j(body.mass_kg);
     start_j += 0.5 * (others[i].push_n_s.dot(starts[i].velocity_m_s + common) +
-                      others[i].turn.dot(starts[i].spin_rad_s));
+                      others[i].turn.dot(starts[i].angular_velocity_rad_s));
     gained_j += 0.5 * (others[i].push_n_s.dot(body.velocity_m_s - common) +
                        others[i].turn.dot(body.angular_velocity_rad_s));
-    rounding_j += kEnergyRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
+    // Relative to the energy that the held bodies would have gained in free motion.
+    rounding_j += 1e-18 * others[i].push_n_s.squaredNorm() / body.mass_kg;
   }
   if (!(own_j > gained_j + start_j + rounding_j) || without(Mechanism::JointEnergyLimit))
     return 1.0;  // suspended bodies at rest keep their load
@@ -99,16 +87,13 @@ void JointGroup::limit_push() {
   for (const Rows& rows : rows_) fastest_m_s = std::max(fastest_m_s, rows.correction_m_s);
   for (size_t i = 0; i < bodies_.size(); ++i) {
     mass_kg += bodies_[i]->mass_kg;
-    start_j += kinetic_j(starts_[i], *bodies_[i]);
+    start_j += starts_[i].kinetic_j(bodies_[i]->mass_kg);
   }
   const double factor =
       limit_kinetic_energy(starts_, others_, start_j + 0.5 * mass_kg * fastest_m_s * fastest_m_s);
   if (factor == 1.0) return;
-  for (RigidJoint& joint : joints_) {
-    joint.push.point_n_s *= factor;
-    joint.push.turn *= factor;
-  }
-  for (size_t i = 0; i < bodies_.size(); ++i) before_[i] = motion_of(*bodies_[i]);
+  for (RigidJoint& joint : joints_) joint.push = joint.push * factor;
+  for (size_t i = 0; i < bodies_.size(); ++i) before_[i] = bodies_[i]->motion();
 }
 
 void JointGroup::end(double substep_s) {
@@ -118,8 +103,8 @@ void JointGroup::end(double substep_s) {
     const RigidBody& body = *bodies_[i];
     const Eigen::Vector3d mean = 0.5 * (starts_[i].velocity_m_s + body.velocity_m_s);
     kinetic += body.kinetic_j();
-    work_j += body.kinetic_j() - kinetic_j(starts_[i], body) - others_[i].push_n_s.dot(mean);
-    work_j -= 0.5 * others_[i].turn.dot(starts_[i].spin_rad_s + body.angular_velocity_rad_s);
+    work_j += body.kinetic_j() - starts_[i].kinetic_j(body.mass_kg) - others_[i].push_n_s.dot(mean);
+    work_j -= 0.5 * others_[i].turn.dot(starts_[i].angular_velocity_rad_s + body.angular_velocity_rad_s);
     const Eigen::Vector3d moved_m = body.world_from_body.position_m - starts_[i].position_m;
     lifted_j -= body.mass_kg * body.substep_acceleration_m_s2.dot(moved_m - substep_s * mean);
   }

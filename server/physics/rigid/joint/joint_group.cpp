@@ -18,25 +18,18 @@ namespace {
 constexpr double kErrorReduction = 0.2;
 constexpr double kMaxCorrection_m_s = 3.0;
 constexpr double kMaxCorrection_rad_s = 10.0;
-// Maximum curvature correction, relative to the path length.
-constexpr double kMaxCurvature = 0.5;
+constexpr double kMaxCurvature = 0.5;  // of the correction, relative to the path length
 // A new measurement is accepted if it differs from the last by at most `converges` times the previous
 // difference. The first is compared with the curvature, or with `of_displacement` of the path. Small steps
 // use tighter limits.
 struct CurvatureLimits {
   double converges, of_displacement;
 };
-constexpr double kMinCurvatureChange = 1e-9;  // smaller differences, relative to the path, are ignored
 constexpr CurvatureLimits kCurvatureInSubstep{0.7, 0.1}, kCurvatureInSmallStep{0.3, 0.02};
-// Rotation of a link per small step, rad. A group takes as many small steps as this and an oscillation of 1
-// rad per step need; above 2 rad the oscillation would be unstable.
-constexpr double kMaxTurn = 0.25;
 // Larger: longer chains at high tension are resolved, more time.
 constexpr int kMaxSmallSteps = 4;
 // Sweeps that refine the curvature correction, per phase.
 constexpr int kMaxCurvatureIterations = 3;
-// Pivot, relative to the diagonal, below which a row is linearly dependent (two hinges on one door).
-constexpr double kDependentPivot = 1e-11;
 // Compliance of rows in closed loops, which may be linearly dependent, relative to their own response
 // (constraint force mixing, Smith 2006). It equals a spring of 1 / (kLoopSoftness h²) per mass with step h,
 // too stiff to be visible. Chains and trees have none.
@@ -71,9 +64,8 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
       if (body) bodies_.push_back(body);
     }
   }
-  std::sort(bodies_.begin(), bodies_.end(),
-            [](const RigidBody* one, const RigidBody* two) { return one->body_id() < two->body_id(); });
-  bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
+  std::ranges::sort(bodies_, {}, &RigidBody::body_id);
+  bodies_.erase(std::ranges::unique(bodies_).begin(), bodies_.end());
   ends_.resize(bodies_.size());
   starts_.resize(bodies_.size());
   others_.resize(bodies_.size());
@@ -81,26 +73,25 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
   before_.resize(bodies_.size());
   mass_factors_.resize(bodies_.size());
   const auto index_of = [&](const RigidBody* body) {
-    return static_cast<size_t>(std::find(bodies_.begin(), bodies_.end(), body) - bodies_.begin());
+    return static_cast<size_t>(std::ranges::find(bodies_, body) - bodies_.begin());
   };
 
   note_nodes();
-  const bool to_world =
-      std::any_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return !joint.b; });
+  const bool to_world = std::ranges::any_of(joints_, [](const RigidJoint& joint) { return !joint.b; });
   softness_ = joints_.size() + 1 > bodies_.size() + (to_world ? 1 : 0) ? kLoopSoftness : 0.0;
 
   int row_count = 0;
   for (const RigidJoint& joint : joints_) {
     Rows rows;
     rows.a = index_of(joint.a);
-    rows.b = joint.b ? index_of(joint.b) : kWorld;
+    if (joint.b) rows.b = index_of(joint.b);
     rows.first = row_count;
     row_count += joint.row_count();
     // The envelope of a row starts at the first joint that shares a body.
     int first = rows.first;
     for (const Rows& earlier : rows_) {
-      const auto has = [&](size_t body) {
-        return body != kWorld && (body == earlier.a || body == earlier.b);
+      const auto has = [&](std::optional<size_t> body) {
+        return body && (body == earlier.a || body == earlier.b);
       };
       if (has(rows.a) || has(rows.b)) {
         first = earlier.first;
@@ -122,8 +113,7 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
 
 // Cuthill-McKee ordering: breadth first from a joint with few neighbours, so that a chain has a narrow band.
 void JointGroup::order_joints() {
-  std::sort(joints_.begin(), joints_.end(),
-            [](const RigidJoint& one, const RigidJoint& two) { return one.id < two.id; });
+  std::ranges::sort(joints_, {}, &RigidJoint::id);
   const size_t count = joints_.size();
   const auto neighbours = [&](size_t i, size_t j) {
     const auto touches = [&](const RigidBody* body) {
@@ -172,17 +162,15 @@ void JointGroup::note_nodes() {
       }
     }
   }
-  std::sort(joined_pairs_.begin(), joined_pairs_.end());
-  joined_pairs_.erase(std::unique(joined_pairs_.begin(), joined_pairs_.end()), joined_pairs_.end());
+  std::ranges::sort(joined_pairs_);
+  joined_pairs_.erase(std::ranges::unique(joined_pairs_).begin(), joined_pairs_.end());
 }
 
 bool JointGroup::share_joint(const RigidBody& a, const RigidBody& b) const {
-  return std::binary_search(joined_pairs_.begin(), joined_pairs_.end(), ordered(&a, &b));
+  return std::ranges::binary_search(joined_pairs_, ordered(&a, &b));
 }
 
-bool JointGroup::asleep() const {
-  return std::all_of(bodies_.begin(), bodies_.end(), [](const RigidBody* body) { return body->asleep; });
-}
+bool JointGroup::asleep() const { return std::ranges::all_of(bodies_, &RigidBody::asleep); }
 
 void JointGroup::wake_together() {
   if (asleep()) return;
@@ -245,9 +233,9 @@ void JointGroup::factorise() {
       const Rows& two = rows_[j];
       if (two.first < begin_[static_cast<size_t>(one.first)]) continue;
       if (one.a == two.a) couple(i, j, one.a, 1.0, one.turn_a, two.turn_a);
-      if (one.b != kWorld && one.b == two.b) couple(i, j, one.b, 1.0, one.turn_b, two.turn_b);
+      if (one.b && one.b == two.b) couple(i, j, *one.b, 1.0, one.turn_b, two.turn_b);
       if (one.a == two.b) couple(i, j, one.a, -1.0, one.turn_a, two.turn_b);
-      if (one.b != kWorld && one.b == two.a) couple(i, j, one.b, -1.0, one.turn_b, two.turn_a);
+      if (one.b && one.b == two.a) couple(i, j, *one.b, -1.0, one.turn_b, two.turn_a);
     }
   }
   const auto row_count = static_cast<int>(inverse_pivot_.size());
@@ -269,7 +257,8 @@ void JointGroup::factorise() {
       row[c - begin] = scaled * inverse_pivot_[static_cast<size_t>(c)];
       pivot -= scaled * row[c - begin];
     }
-    inverse_pivot_[static_cast<size_t>(r)] = pivot > kDependentPivot * diagonal ? 1.0 / pivot : 0.0;
+    // With a smaller pivot the row is linearly dependent (two hinges on one door).
+    inverse_pivot_[static_cast<size_t>(r)] = pivot > 1e-11 * diagonal ? 1.0 / pivot : 0.0;
   }
 }
 
@@ -302,7 +291,7 @@ void JointGroup::apply(const RigidJoint& joint, const Rows& rows, const RigidJoi
     given_[index].turn += turn;
   };
   give(rows.a, 1.0, rows.arm_a_m);
-  if (joint.b) give(rows.b, -1.0, rows.arm_b_m);
+  if (joint.b) give(*rows.b, -1.0, rows.arm_b_m);
 }
 
 void JointGroup::warm_start(ContactPhase phase) {
@@ -315,13 +304,12 @@ void JointGroup::warm_start(ContactPhase phase) {
   }
   if (phase == ContactPhase::Relax) return;
   curvature_converges_ = true;
-  curvature_change_.fill(kNotMeasured);
+  curvature_change_.reset();
   for (Rows& rows : rows_) rows.curvature = rows.next_curvature;
 }
 
 // The joints' positions at the end of the substep deviate from linear extrapolation because arms rotate. The
-// deviation is taken from the previous substep, measured after each sweep, and used while measurements
-// converge. For light bodies between heavy ones they may diverge.
+// deviation is measured after each sweep and used while measurements converge.
 bool JointGroup::measure_curvature(double substep_s) {
   for (size_t i = 0; i < bodies_.size(); ++i) ends_[i] = bodies_[i]->orientation_after(substep_s);
   // For gaps and tilts: largest curvature, largest change, fastest path.
@@ -346,16 +334,13 @@ bool JointGroup::measure_curvature(double substep_s) {
     const RigidJoint& joint = joints_[i];
     Rows& rows = rows_[i];
     rows.next_curvature.gap_m_s2 = arm_curvature(rows.a, joint.anchor_a_m);
-    if (joint.b) rows.next_curvature.gap_m_s2 -= arm_curvature(rows.b, joint.anchor_b_m);
+    if (joint.b) rows.next_curvature.gap_m_s2 -= arm_curvature(*rows.b, joint.anchor_b_m);
     note(0, rows.next_curvature.gap_m_s2, rows.curvature.gap_m_s2);
     if (!joint.hinge) continue;
-    Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
-    double fastest = turning.norm();
-    if (joint.b) {
-      turning -= joint.b->angular_velocity_rad_s;
-      fastest += joint.b->angular_velocity_rad_s.norm();
-    }
-    const Eigen::Vector3d axis_b = joint.b ? Eigen::Vector3d(ends_[rows.b] * joint.axis_b) : joint.axis_b;
+    const Eigen::Vector3d turning = joint.turning_rad_s();
+    const double fastest =
+        joint.a->angular_velocity_rad_s.norm() + (joint.b ? joint.b->angular_velocity_rad_s.norm() : 0.0);
+    const Eigen::Vector3d axis_b = joint.b ? Eigen::Vector3d(ends_[*rows.b] * joint.axis_b) : joint.axis_b;
     const Eigen::Vector2d tilt = rows.across.transpose() * tilt_of(ends_[rows.a] * joint.axis_a, axis_b);
     rows.next_curvature.tilt_rad_s2 =
         limited(Eigen::Vector2d(tilt - rows.start_tilt), (rows.across.transpose() * turning).eval(), fastest);
@@ -363,20 +348,18 @@ bool JointGroup::measure_curvature(double substep_s) {
     note(1, rows.next_curvature.tilt_rad_s2, rows.curvature.tilt_rad_s2);
   }
   if (!curvature_converges_) return false;
+  const double least = 1e-9;  // smaller changes, relative to the path, are ignored
   const CurvatureLimits& limits = in_small_steps_ ? kCurvatureInSmallStep : kCurvatureInSubstep;
   for (size_t kind : {0, 1}) {
-    const double allowed =
-        curvature_change_[kind] == kNotMeasured
-            ? std::max(limits.converges * largest[kind], limits.of_displacement * speed[kind] / substep_s)
-            : limits.converges * curvature_change_[kind];
-    if (change[kind] > std::max(allowed, kMinCurvatureChange * speed[kind] / substep_s))
-      curvature_converges_ = false;
+    const double allowed = curvature_change_ ? limits.converges * (*curvature_change_)[kind]
+                                             : std::max(limits.converges * largest[kind],
+                                                        limits.of_displacement * speed[kind] / substep_s);
+    if (change[kind] > std::max(allowed, least * speed[kind] / substep_s)) curvature_converges_ = false;
   }
   if (!curvature_converges_) return false;
   curvature_change_ = change;
   for (Rows& rows : rows_) rows.curvature = rows.next_curvature;
-  return change[0] > kMinCurvatureChange * speed[0] / substep_s ||
-         change[1] > kMinCurvatureChange * speed[1] / substep_s;
+  return change[0] > least * speed[0] / substep_s || change[1] > least * speed[1] / substep_s;
 }
 
 // Mean opening speed of the joints over the substep, minus the wanted one.
@@ -386,11 +369,8 @@ void JointGroup::push_residual(double substep_s) {
     Rows& rows = rows_[i];
     Eigen::Vector3d opening =
         joint.a->mean_velocity(substep_s) + joint.a->angular_velocity_rad_s.cross(rows.arm_a_m);
-    Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
-    if (joint.b) {
+    if (joint.b)
       opening -= joint.b->mean_velocity(substep_s) + joint.b->angular_velocity_rad_s.cross(rows.arm_b_m);
-      turning -= joint.b->angular_velocity_rad_s;
-    }
     const Eigen::Vector3d correction_m_s =
         reduced_error(rows.start_gap_m, substep_s, kMaxCorrection_m_s) / substep_s;
     rows.correction_m_s = correction_m_s.norm();
@@ -398,7 +378,7 @@ void JointGroup::push_residual(double substep_s) {
     if (!joint.hinge) continue;
     const Eigen::Vector2d tilt_correction = reduced_error(rows.start_tilt, substep_s, kMaxCorrection_rad_s);
     residual_.segment<2>(rows.first + 3) =
-        -(rows.across.transpose() * turning + substep_s * rows.curvature.tilt_rad_s2 +
+        -(rows.across.transpose() * joint.turning_rad_s() + substep_s * rows.curvature.tilt_rad_s2 +
           tilt_correction / substep_s);
   }
 }
@@ -408,13 +388,10 @@ void JointGroup::relax_residual() {
     const RigidJoint& joint = joints_[i];
     const Rows& rows = rows_[i];
     Eigen::Vector3d opening = joint.a->point_velocity(rows.arm_a_m);
-    Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
-    if (joint.b) {
-      opening -= joint.b->point_velocity(rows.arm_b_m);
-      turning -= joint.b->angular_velocity_rad_s;
-    }
+    if (joint.b) opening -= joint.b->point_velocity(rows.arm_b_m);
     residual_.segment<3>(rows.first) = -opening;
-    if (joint.hinge) residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning);
+    if (joint.hinge)
+      residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * joint.turning_rad_s());
   }
 }
 
@@ -445,14 +422,7 @@ void JointGroup::solve_impact() {
 
 void JointGroup::end_impact(double factor, double remaining_s) {
   for (RigidJoint& joint : joints_) {
-    const auto record = [&](RigidBody* body, double sign, const Eigen::Vector3d& anchor_m) {
-      if (!body || !body->can_break || body->asleep) return;
-      body->impacts.record_joint(body->world_from_body.orientation, sign * factor * joint.relax.point_n_s,
-                                 anchor_m - body->world_from_body.position_m, ImpulseKind::Impact,
-                                 remaining_s);
-    };
-    record(joint.a, 1.0, joint.world_anchor_a());
-    record(joint.b, -1.0, joint.world_anchor_b());
+    joint.record(factor * joint.relax.point_n_s, ImpulseKind::Impact, remaining_s);
     joint.relax = joint.resting;
   }
 }
@@ -480,7 +450,7 @@ void JointGroup::solve_residual(ContactPhase phase) {
 }
 
 // Tension acts on a link as a torsional spring: -[f][r] for each force at its arm. The fastest oscillation
-// determines the step.
+// determines the step, 1 rad of it; above 2 rad it would be unstable.
 int JointGroup::small_steps(double substep_s) {
   std::vector<Eigen::Matrix3d> stiffness(bodies_.size(), Eigen::Matrix3d::Zero());
   double turn = 0.0;
@@ -492,14 +462,14 @@ int JointGroup::small_steps(double substep_s) {
   for (size_t i = 0; i < joints_.size(); ++i) {
     const Eigen::Vector3d impulse = joints_[i].push.point_n_s + joints_[i].relax.point_n_s;
     add(rows_[i].a, impulse, rows_[i].arm_a_m);
-    if (joints_[i].b) add(rows_[i].b, -impulse, rows_[i].arm_b_m);
+    if (joints_[i].b) add(*rows_[i].b, -impulse, rows_[i].arm_b_m);
   }
   double fastest = 0.0;  // (h omega)^2
   for (size_t i = 0; i < bodies_.size(); ++i) {
     mass_factors_[i] = substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm();
     fastest = std::max(fastest, mass_factors_[i]);
   }
-  const double wanted = std::max(std::sqrt(fastest), turn * substep_s / kMaxTurn);
+  const double wanted = std::max(std::sqrt(fastest), turn * substep_s / kMaxTurn_rad);
   const double steps = std::clamp(std::ceil(wanted), 1.0, static_cast<double>(kMaxSmallSteps));
   for (double& swing : mass_factors_) swing = std::max(1.0, swing / (steps * steps));
   return static_cast<int>(steps);
@@ -514,16 +484,16 @@ void JointGroup::scale_mass(RigidBody& body, double factor) {
 
 void JointGroup::reset_impulses() {
   work_j_ = peak_kinetic_j_ = 0.0;
-  for (RigidJoint& joint : joints_) joint.push = joint.relax = {};
-  for (RigidJoint& joint : joints_) joint.force_n.setZero();
+  for (RigidJoint& joint : joints_) {
+    joint.push = joint.relax = {};
+    joint.force_n.setZero();
+  }
   for (Rows& rows : rows_) rows.next_curvature = {};
 }
 
-// Links that would still oscillate too fast get a larger mass during the small steps, with unchanged forces.
-// In a chain under a load of many times its weight, the links' inertia is negligible.
-//
-// External impulses of the substep are distributed over the small steps. Each small step has its own push,
-// move and relax pass.
+// Links that would still oscillate too fast get a larger mass during the small steps, with unchanged forces:
+// in a chain under a load of many times its weight their inertia is negligible. External impulses of the
+// substep are distributed over the small steps, each with its own push, move and relax pass.
 void JointGroup::move(double substep_s) {
   note_others();
   const int steps = small_steps(substep_s);
@@ -534,7 +504,7 @@ void JointGroup::move(double substep_s) {
     move_in_small_steps(substep_s, steps);
   }
   for (size_t i = 0; i < bodies_.size(); ++i) {
-    before_[i] = motion_of(*bodies_[i]);
+    before_[i] = bodies_[i]->motion();
     given_[i] = {};
   }
 }
@@ -554,17 +524,15 @@ void JointGroup::move_in_small_steps(double substep_s, int steps) {
   for (RigidJoint& joint : joints_) {
     pushes.push_back(joint.push);
     joint.load_n_s.setZero();
-    joint.push.point_n_s *= part;
-    joint.push.turn *= part;
-    joint.relax.point_n_s *= part;
-    joint.relax.turn *= part;
+    joint.push = joint.push * part;
+    joint.relax = joint.relax * part;
   }
   in_small_steps_ = true;
   const double step_s = part * substep_s;
-  std::vector<Motion> starts(bodies_.size());
+  std::vector<RigidMotion> starts(bodies_.size());
   for (int step = 0; step < steps; ++step) {
     for (size_t i = 0; i < bodies_.size(); ++i) {
-      starts[i] = motion_of(*bodies_[i]);
+      starts[i] = bodies_[i]->motion();
       bodies_[i]->velocity_m_s += others[i].push_n_s / bodies_[i]->mass_kg;
       bodies_[i]->apply_angular_impulse(others[i].turn);
     }

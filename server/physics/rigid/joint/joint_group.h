@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,18 +14,16 @@
 
 // Ball joints and hinges between rigid bodies, or of one body to the world.
 //
-// Jointed bodies form a group, and all rows of a group are solved together: the blocks J M^-1 J^T of joints
-// that share a body, in a bandwidth-reducing order, factorised once before the push and once before the relax
-// pass. A sweep is one Newton step. Chains are therefore stiff at any mass ratio.
+// All rows of a group of jointed bodies are solved together: J M^-1 J^T, in a bandwidth-reducing order,
+// factorised once before the push and once before the relax pass. A sweep is one Newton step. Chains are
+// therefore stiff at any mass ratio.
 //
-// Time integration is RATTLE (Andersen 1983): the push finds the impulse, along the rows at the start of the
-// substep, that closes the joint at its end; the relax pass removes the velocity across the rows there.
-// Second order, without energy loss. Remaining errors, from opposing contacts, are corrected softly as for
-// contacts.
+// Time integration is RATTLE (Andersen 1983), second order, without energy loss: the push finds the impulse,
+// along the rows at the start of the substep, that closes the joint at its end; the relax pass removes the
+// velocity across the rows there. Remaining errors are corrected softly as for contacts.
 //
-// Rows of a closed loop may be linearly dependent, or nearly so if bodies are collinear. Such rows are
-// softened slightly, which bounds the impulses. Joints do no work: a group is slowed down if its energy
-// exceeds the work of other forces.
+// Rows of a closed loop may be linearly dependent; they are softened slightly, which bounds the impulses.
+// Joints do no work: a group is slowed down if its energy exceeds the work of other forces.
 
 namespace livegs {
 
@@ -42,6 +41,7 @@ struct RigidJoint {
   struct Impulse {
     Eigen::Vector3d point_n_s = Eigen::Vector3d::Zero();
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // N m s, perpendicular to the hinge axis
+    Impulse operator*(double factor) const { return {point_n_s * factor, turn * factor}; }
   };
   Impulse push, relax;
   Impulse resting;                                     // `relax`, kept during a round of impacts
@@ -52,6 +52,15 @@ struct RigidJoint {
   Eigen::Vector3d world_anchor_a() const { return a->world_from_body * anchor_a_m; }
   Eigen::Vector3d world_anchor_b() const {
     return b ? Eigen::Vector3d(b->world_from_body * anchor_b_m) : anchor_b_m;
+  }
+  // Adds an impulse on a, and its opposite on b, to the records of bodies that can break.
+  void record(const Eigen::Vector3d& impulse_n_s, ImpulseKind kind, double remaining_s) const {
+    a->record_joint(impulse_n_s, world_anchor_a(), kind, remaining_s);
+    if (b) b->record_joint(-impulse_n_s, world_anchor_b(), kind, remaining_s);
+  }
+  Eigen::Vector3d turning_rad_s() const {  // of a relative to b
+    return b ? Eigen::Vector3d(a->angular_velocity_rad_s - b->angular_velocity_rad_s)
+             : a->angular_velocity_rad_s;
   }
   Eigen::Vector3d world_axis_a() const { return a->world_from_body.orientation * axis_a; }
   Eigen::Vector3d world_axis_b() const {
@@ -94,8 +103,9 @@ class JointGroup {
     Eigen::Vector2d tilt_rad_s2 = Eigen::Vector2d::Zero();  // perpendicular to the axis
   };
   struct Rows {
-    size_t a = 0, b = 0;  // indices into bodies_; b: kWorld
-    int first = 0;        // first row in the system
+    size_t a = 0;             // index into bodies_
+    std::optional<size_t> b;  // likewise; nullopt: the world
+    int first = 0;            // first row in the system
     Eigen::Vector3d arm_a_m = Eigen::Vector3d::Zero(), arm_b_m = Eigen::Vector3d::Zero();
     // Jacobians with respect to angular velocities.
     Eigen::Matrix<double, 5, 3> turn_a = Eigen::Matrix<double, 5, 3>::Zero(), turn_b = turn_a;
@@ -106,7 +116,6 @@ class JointGroup {
     CurvatureCorrection curvature, next_curvature;  // used in this substep; last measurement
     Eigen::Vector2d start_tilt = Eigen::Vector2d::Zero();
   };
-  static constexpr size_t kWorld = ~size_t{0};
 
   void order_joints();
   void note_nodes();
@@ -122,22 +131,16 @@ class JointGroup {
   int small_steps(double substep_s);
   static void scale_mass(RigidBody& body, double factor);
 
-  struct Motion {
-    Eigen::Vector3d velocity_m_s, angular_momentum, spin_rad_s, position_m;
-  };
   struct Impulses {
     Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();  // N s, N m s
   };
-  static Motion motion_of(const RigidBody& body);
-  static double kinetic_j(const Motion& motion, const RigidBody& body);
   void note_others();
-  double limit_kinetic_energy(const std::vector<Motion>& starts, const std::vector<Impulses>& others,
+  double limit_kinetic_energy(const std::vector<RigidMotion>& starts, const std::vector<Impulses>& others,
                               double allowance_j);
   void limit_push();
   void move_in_small_steps(double substep_s, int steps);
 
   std::vector<double> mass_factors_;  // parallel to bodies_: mass scale during small steps
-  static constexpr double kNotMeasured = -1.0;
 
   std::vector<RigidJoint> joints_;
   std::vector<RigidBody*> bodies_;
@@ -153,13 +156,13 @@ class JointGroup {
   Eigen::VectorXd residual_, compliance_;  // compliance_: speed per impulse of a softened row
   bool in_small_steps_ = false;
   bool curvature_converges_ = true;
-  // Change of gaps and tilts between the last two measurements.
-  std::array<double, 2> curvature_change_{kNotMeasured, kNotMeasured};
+  // Change of gaps and tilts between the last two measurements in this phase.
+  std::optional<std::array<double, 2>> curvature_change_;
   // Parallel to bodies_: predicted orientation at the end of the substep.
   std::vector<Eigen::Quaterniond> ends_;
   // Parallel to bodies_: motion at the start of the substep and at the last note_others(); impulses of joints
   // since then; impulses of everything else in the substep.
-  std::vector<Motion> starts_, before_;
+  std::vector<RigidMotion> starts_, before_;
   std::vector<Impulses> given_, others_;
   // Apparent work of the joints that the group still has; decaying peak of its kinetic energy.
   double work_j_ = 0.0, peak_kinetic_j_ = 0.0;

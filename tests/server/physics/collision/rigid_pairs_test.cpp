@@ -8,8 +8,8 @@
 #include "core/parallel_for.h"
 #include "geometry/mesh/convex_hull.h"
 #include "known_gaps.h"
+#include "physics/collision/contact_candidate.h"
 #include "physics/collision/convex_polyhedron.h"
-#include "physics/collision/polyhedron_manifold.h"
 #include "scenes/rigid_fixtures.h"
 
 // Contact between rigid meshes.
@@ -262,7 +262,7 @@ TEST(RigidPairs, FastBoxesAndRodsDoNotPassAThinPlate) {
 }
 
 // A card or rod stopped at one corner turns about it, and its other end speeds up within the substep. Such
-// pairs take sub-intervals (step_plan.h).
+// pairs take sub-intervals (step_plan.cpp).
 TEST(RigidPairs, FastCardsAndRodsDoNotPassAThinnerPlate) {
   int passed = 0;
   for (const double rate : kRates_hz) {

@@ -161,7 +161,7 @@ TEST(ContactLanes, GiveTheResultOfOneContactAfterTheOther) {
     contacts.sweep(ContactPhase::Push);
     for (int i = 0; i < 2; ++i) contacts.sweep(ContactPhase::Relax);
     contacts.store_motion();
-    contacts.store_impulses();
+    contacts.store_points();
     contacts.store_friction();
 
     std::vector<ManifoldRows> rows;

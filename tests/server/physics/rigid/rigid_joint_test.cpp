@@ -328,12 +328,11 @@ TEST(RigidJoint, JoinedBodiesSleepTogetherWithoutContact) {
     EXPECT_LT(body_state(world, 2).world_from_body.position_m.norm(), 0.1 + 1e-6);
     EXPECT_TRUE(body_state(world, 1).asleep);
     EXPECT_TRUE(body_state(world, 2).asleep);
-    world.set_force(1, 2, {Vector3d::Zero(), {0, 0, 3}});
+    world.set_force(1, 2, {Vector3d::Zero(), {0, 0, 3}}, 1.0 / world.settings().rate_hz);
     world.step();
     EXPECT_FALSE(body_state(world, 1).asleep);
     EXPECT_FALSE(body_state(world, 2).asleep);
     // Removing a body releases the body joined to it.
-    world.clear_force(1);
     world.remove(1);
     EXPECT_TRUE(world.joints().empty());
     run_seconds(world, 1.0);

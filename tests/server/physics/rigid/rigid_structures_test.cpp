@@ -81,7 +81,7 @@ TEST(RigidStructures, HeavyBoxRestsOnLightBox) {
 }
 
 // Stacks of up to 20 boxes neither sink nor topple: the steps follow from the weight on each contact
-// (step_plan.h), and no substep is longer than kMaxSubstep_s.
+// (step_plan.cpp), and no substep is longer than kMaxSubstep_s.
 TEST(RigidStructures, StacksStandAtAnyRate) {
   struct Setting {
     double rate_hz;
@@ -101,7 +101,7 @@ TEST(RigidStructures, StacksStandAtAnyRate) {
 }
 
 // Books of 30 mm and 0.3 kg under a cube of 30 and 100 times their mass, which must hardly sink. Such mass
-// ratios take shorter substeps (step_plan.h).
+// ratios take shorter substeps (step_plan.cpp).
 TEST(RigidStructures, HeavyCubeRestsOnLightBooks) {
   constexpr double kThick_m = 0.03, kBook_kg = 0.3, kSize_m = 0.15;
   for (const double rate : kRates_hz) {

@@ -3,7 +3,6 @@
 
 #include "geometry/field/sample_particles.h"
 #include "known_gaps.h"
-#include "physics/prepare_body.h"
 #include "scenes/rigid_fixtures.h"
 
 // Elastic bodies in a world, with balls, springs and rays.

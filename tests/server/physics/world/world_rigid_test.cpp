@@ -193,12 +193,11 @@ TEST(World, SpringForceIsBoundedAndStableOnTinyMasses) {
   EXPECT_LT((world.world_point(1, spring.rest_point_m) - spring.target_m).norm(), 1e-3);
 }
 
-TEST(World, ForceAcceleratesAndClears) {
+TEST(World, ForceAcceleratesAndEnds) {
   World world = world_at(90, 4, kNoGravity);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 2.0)));
-  world.set_force(3, 1, {Vector3d::Zero(), {4, 0, 0}});
+  world.set_force(3, 1, {Vector3d::Zero(), {4, 0, 0}}, 0.5);
   run_seconds(world, 0.5);
-  world.clear_force(3);
   run_seconds(world, 0.5);
   EXPECT_NEAR(body_state(world, 1).velocity_m_s.x(), 1.0, 1e-12);
   EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.x(), 0.25 + 0.5, 1e-12);
@@ -298,7 +297,6 @@ TEST(World, RejectsUnphysicalInputAndNamesIt) {
   EXPECT_EQ(body_state(world, 9).mass_kg, 3.0);
   world.remove(1234);
   world.set_force(1, 1234, {});
-  world.clear_force(99);
 }
 
 }  // namespace
