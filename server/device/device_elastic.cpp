@@ -44,7 +44,7 @@ struct Member {
   FlatBody* body = nullptr;
   uint64_t revision = 0;
   FlatLattice lattice;
-  uint32_t first_node = 0, first_surface = 0, first_point = 0, first_light = 0;
+  uint32_t first_node = 0, first_surface = 0, first_point = 0;
   std::vector<uint32_t> cell_rows;  // by cell: its row on the device
   FlatState state;                  // of this tick
 };
@@ -180,10 +180,8 @@ struct DeviceElastic::Fleet {
   uint32_t node_rows = 0, row_count = 0;
   bool loaded = false;  // some node has a load on the device
   std::vector<uint> block_bodies;
-  std::vector<SurfacePointRow> point_rows;
-  std::vector<LightNodeRow> light_rows;
   Buffer bodies_, now_, before_, solve_, drift_, loads_, block_bodies_, cells_, rotations_, constants_,
-      gains_, surface_cells_, points_, contacts_, colliders_, blocks_, lights_;
+      gains_, surface_cells_, points_, contacts_, colliders_, blocks_;
 };
 
 // Concatenates the lattices: nodes and sums by body, cells and surface cells by colour.
@@ -204,8 +202,7 @@ Result<void> DeviceElastic::Fleet::upload_lattices() {
   surface_begins.assign(rank_count + 1, 0);
   node_rows = row_count = 0;
   block_bodies.clear();
-  point_rows.clear();
-  light_rows.clear();
+  std::vector<SurfacePointRow> point_rows;
   uint32_t surface_count = 0;
   std::vector<uint32_t> first_rows;  // of constants, by member
   for (uint32_t m = 0; m < members.size(); ++m) {
@@ -214,7 +211,6 @@ Result<void> DeviceElastic::Fleet::upload_lattices() {
     member.first_node = node_rows;
     member.first_surface = surface_count;
     member.first_point = static_cast<uint32_t>(point_rows.size());
-    member.first_light = static_cast<uint32_t>(light_rows.size());
     const auto blocks = static_cast<uint32_t>((lattice.node_count + kElasticBlock - 1) / kElasticBlock);
     block_bodies.insert(block_bodies.end(), blocks, m);
     node_rows += blocks * kElasticBlock;
@@ -226,12 +222,7 @@ Result<void> DeviceElastic::Fleet::upload_lattices() {
       ++surface_begins[rank_of(cell.colour) + 1];
     for (const FlatLattice::SurfacePoint& point : lattice.surface_points) {
       const float* w = point.weights;
-      point_rows.push_back(
-          {{w[0], w[1], w[2], w[3]}, {w[4], w[5], w[6], w[7]}, vec4(0.0f), {point.mobility, 0, 0, 0}});
-    }
-    for (const FlatLattice::LightNode& light : lattice.light_nodes) {
-      light_rows.push_back({member.first_node + light.node, member.first_node + light.parent,
-                            light.added_part, light.mass_kg, vec4(0.0f)});
+      point_rows.push_back({{w[0], w[1], w[2], w[3]}, {w[4], w[5], w[6], w[7]}, {point.mobility, 0, 0, 0}});
     }
   }
   for (uint32_t r = 0; r < rank_count; ++r) {
@@ -292,8 +283,7 @@ Result<void> DeviceElastic::Fleet::upload_lattices() {
       !(done = fill(surface_cells_, surface_cells, "elastic surface cells")) ||
       !(done = fill(points_, point_rows, "elastic surface points")) ||
       !(done = reserve(contacts_, surface_cells.size() * sizeof(ContactSumsRow), "elastic contacts")) ||
-      !(done = reserve(blocks_, block_bodies.size() * sizeof(NodeSumsRow), "sums of elastic nodes")) ||
-      !(done = fill(lights_, light_rows, "light elastic nodes")))
+      !(done = reserve(blocks_, block_bodies.size() * sizeof(NodeSumsRow), "sums of elastic nodes")))
     return done;
   return {};
 }
@@ -306,9 +296,7 @@ Result<void> DeviceElastic::Fleet::run_steps(uint32_t steps, bool touches, bool 
   constants.row_count = row_count;
   constants.count = body_items;
   constants.begins = 1;
-  if (auto done = dispatch(
-          elastic_ledger_pass(),
-          {bodies_.id(), blocks_.id(), contacts_.id(), lights_.id(), now_.id(), before_.id()}, constants);
+  if (auto done = dispatch(elastic_ledger_pass(), {bodies_.id(), blocks_.id(), contacts_.id()}, constants);
       !done)
     return done;
   constants.begins = 0;
@@ -361,9 +349,7 @@ Result<void> DeviceElastic::Fleet::run_steps(uint32_t steps, bool touches, bool 
         !done)
       return done;
     constants.count = body_items;
-    if (auto done =
-            dispatch(elastic_ledger_pass(),
-                     {bodies_.id(), blocks_.id(), contacts_.id(), lights_.id(), now, before}, constants);
+    if (auto done = dispatch(elastic_ledger_pass(), {bodies_.id(), blocks_.id(), contacts_.id()}, constants);
         !done)
       return done;
   }
@@ -414,7 +400,7 @@ Result<void> DeviceElastic::Fleet::step(std::span<DeviceBody> bodies, const Flat
   std::vector<vec4> rotations(cell_begins.back()), loads(node_rows);
   std::vector<ColliderRow> colliders;
   uint32_t steps = 0;
-  bool has_loads = false, sided = false, backward = false;
+  bool has_loads = false, backward = false;
   uint64_t node_steps = 0, taken = 0;
   for (size_t m = 0; m < members.size(); ++m) {
     Member& member = members[m];
@@ -436,8 +422,6 @@ Result<void> DeviceElastic::Fleet::step(std::span<DeviceBody> bodies, const Flat
     row.block_count = static_cast<uint>((state.now.size() + kElasticBlock - 1) / kElasticBlock);
     row.first_surface = member.first_surface;
     row.surface_count = static_cast<uint>(member.lattice.surface_cells.size());
-    row.first_light = member.first_light;
-    row.light_count = static_cast<uint>(member.lattice.light_nodes.size());
     row.first_collider = static_cast<uint>(colliders.size());
     row.collider_count = static_cast<uint>(state.colliders.size());
     for (const FlatCollider& collider : state.colliders) colliders.push_back(collider_row(collider));
@@ -450,11 +434,6 @@ Result<void> DeviceElastic::Fleet::step(std::span<DeviceBody> bodies, const Flat
       rotations[member.cell_rows[i]] = row_of(state.rotations[i]);
     for (size_t i = 0; i < state.loads_n.size(); ++i) loads[member.first_node + i] = row_of(state.loads_n[i]);
     has_loads = has_loads || !state.loads_n.empty();
-    sided = sided || !state.sides.empty();
-    for (size_t i = 0; i < state.sides.size(); ++i)
-      point_rows[member.first_point + i].side = row_of(state.sides[i]);
-    for (size_t i = 0; i < state.parent_m_s.size(); ++i)
-      light_rows[member.first_light + i].parent_m_s = row_of(state.parent_m_s[i]);
   }
   if (taken == 0) return {};
   Result<void> done;
@@ -463,11 +442,8 @@ Result<void> DeviceElastic::Fleet::step(std::span<DeviceBody> bodies, const Flat
       !(done = fill(rotations_, rotations, "rotations of elastic cells")) ||
       !(done = fill(colliders_, colliders, "colliders of elastic bodies")) ||
       ((has_loads || loaded) && !(done = fill(loads_, loads, "elastic loads"))) ||
-      (sided && !(done = fill(points_, point_rows, "elastic surface points"))) ||
-      !(done = fill(lights_, light_rows, "light elastic nodes")) ||
       !(done = run_steps(steps, !colliders.empty(), backward)) || !(done = read(bodies_, body_rows)) ||
-      !(done = read(now_, now)) || !(done = read(before_, before)) || !(done = read(rotations_, rotations)) ||
-      (sided && !(done = read(points_, point_rows))) || !(done = read(lights_, light_rows)))
+      !(done = read(now_, now)) || !(done = read(before_, before)) || !(done = read(rotations_, rotations)))
     return done;
   loaded = has_loads;
 
@@ -483,14 +459,6 @@ Result<void> DeviceElastic::Fleet::step(std::span<DeviceBody> bodies, const Flat
     for (size_t i = 0; i < state.rotations.size(); ++i) {
       const vec4& q = rotations[member.cell_rows[i]];
       state.rotations[i] = {q.x, q.y, q.z, q.w};
-    }
-    for (size_t i = 0; i < state.sides.size(); ++i) {
-      const vec4& side = point_rows[member.first_point + i].side;
-      state.sides[i] = {side.x, side.y, side.z, side.w};
-    }
-    for (size_t i = 0; i < state.parent_m_s.size(); ++i) {
-      const vec4& v = light_rows[member.first_light + i].parent_m_s;
-      state.parent_m_s[i] = {v.x, v.y, v.z, 0.0f};
     }
     FlatTick own = tick;
     own.forces = able[m]->forces;

@@ -6,7 +6,7 @@
 layout(local_size_x_id = 0) in;
 layout(std430, set = 0, binding = 0) readonly buffer Bodies { BodyRow bodies[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Cells { SurfaceCellRow cells[]; };
-layout(std430, set = 0, binding = 2) buffer Points { SurfacePointRow points[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Points { SurfacePointRow points[]; };
 layout(std430, set = 0, binding = 3) readonly buffer Now { NodeStateRow now[]; };
 layout(std430, set = 0, binding = 4) readonly buffer Solve { NodeSolveRow solve[]; };
 layout(std430, set = 0, binding = 5) buffer Drift { NodeDriftRow drift[]; };

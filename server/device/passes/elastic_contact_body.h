@@ -44,29 +44,12 @@ LIVEGS_SHARED_BODY SurfaceHit sample_collider(uint k, vec3 point) {
 }
 
 // swept_surface and cast_sphere (server/physics/collision).
-LIVEGS_SHARED_BODY SurfaceHit sweep_collider(uint k, vec3 from, vec3 to, vec3 side) {
+LIVEGS_SHARED_BODY SurfaceHit sweep_collider(uint k, vec3 from, vec3 to) {
   const SurfaceHit at = sample_collider(k, to);
-  const float thickness = colliders[k].size.w;
-  if (!(thickness > 0.0f)) return at;
   const vec3 moved = to - from;
-  const bool sided = dot(side, side) > 0.0f, fast = dot(moved, moved) > 0.04f * thickness * thickness;
-  if (!fast && (!sided || at.distance_m > 0.0f || dot(at.normal, side) > 0.0f)) return at;
-  const float start_m = sample_collider(k, from).distance_m, tolerance = 0.01f * thickness;
+  const float thickness = colliders[k].size.w, path = length(moved), tolerance = 0.01f * thickness;
+  if (!(thickness > 0.0f) || !(path > 0.2f * thickness)) return at;
   SurfaceHit hit;
-  if (sided && start_m < 0.0f) {
-    if (at.distance_m < 0.0f && dot(at.normal, side) > 0.0f) return at;
-    float out_m = 0.0f;
-    for (int march = 0; march < 32; ++march) {
-      const float inside = -sample_collider(k, from + out_m * side).distance_m;
-      if (inside <= 0.0f) break;
-      out_m += max(inside, tolerance);
-    }
-    hit.normal = side;
-    hit.distance_m = dot(side, moved) - out_m;
-    return hit;
-  }
-  const float path = length(moved);
-  if (!fast || !(path > 0.0f)) return at;
   const vec3 direction = (1.0f / path) * moved;
   float travelled = 0.0f;
   for (int march = 0; march < 64 && travelled <= path; ++march) {
@@ -102,16 +85,11 @@ LIVEGS_SHARED_BODY void resolve_point(uint i, uint point, uint body, uint collid
                                       LIVEGS_INOUT(ContactSumsRow) sums) {
   const uint k = bodies[body].first_collider + collider;
   const float step_s = bodies[body].solve_s;
-  const bool met = uint(points[point].side.w) == collider + 1u;
   const vec3 to = corrected_of(i, point);
   vec3 from = vec3(0.0f);
   for (uint c = 0u; c < 8u; ++c) from += weight_of(point, c) * vec3(now[cells[i].nodes[c]].place);
-  const SurfaceHit hit = sweep_collider(k, from, to, met ? vec3(points[point].side) : vec3(0.0f));
-  if (hit.distance_m >= 0.0f) {
-    if (met) points[point].side = vec4(0.0f);
-    return;
-  }
-  points[point].side = vec4(hit.normal, float(collider + 1u));
+  const SurfaceHit hit = sweep_collider(k, from, to);
+  if (hit.distance_m >= 0.0f) return;
   sums.moment.w = 1.0f;
   // Initial overlaps separate at 0.5 m/s at most (kContactPushSpeed_m_s).
   const vec3 moved = to - from;

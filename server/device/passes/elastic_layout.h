@@ -56,7 +56,6 @@ struct SurfaceCellRow {
 struct SurfacePointRow {
   vec4 low;       // weights of corners 0 to 3
   vec4 high;      // and 4 to 7
-  vec4 side;      // normal of the last contact; w: 1 + its collider, counted within the body, 0: none
   vec4 mobility;  // x: mobility, 1/kg
 };
 struct ColliderRow {
@@ -65,13 +64,6 @@ struct ColliderRow {
   vec4 axis_y;
   vec4 axis_z;
   vec4 size;  // box: half edges; sphere: radius in x. w: thickness that a point can tunnel through, 0: none
-};
-struct LightNodeRow {
-  uint node;
-  uint parent;
-  float added_part;
-  float mass_kg;
-  vec4 parent_m_s;
 };
 // Sums over a block of nodes, about the centre of mass before the step and relative to a mean velocity.
 struct NodeSumsRow {
@@ -121,10 +113,10 @@ struct BodyRow {
   uint surface_count;
   uint first_collider;
   uint collider_count;
-  uint first_light;
-  uint light_count;
   uint gains;  // 0: of its own steps, 1: of impact steps
-  uint spare;
+  uint spare_0;
+  uint spare_1;
+  uint spare_2;
   // State.
   uint first;     // the last step is no basis for BDF2
   uint uneven;    // the last step had another length
@@ -191,7 +183,7 @@ struct ElasticConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(CellRow) == 48 && sizeof(SurfaceCellRow) == 64 && sizeof(LightNodeRow) == 32);
+static_assert(sizeof(CellRow) == 48 && sizeof(SurfaceCellRow) == 64);
 static_assert(sizeof(BodyRow) % 16 == 0 && sizeof(NodeSumsRow) == 128 && sizeof(ContactSumsRow) == 96);
 }  // namespace livegs::shader
 #endif

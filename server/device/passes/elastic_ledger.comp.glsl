@@ -4,12 +4,9 @@
 #include "device/passes/elastic_sums.h"
 
 layout(local_size_x_id = 0) in;
-layout(std430, set = 0, binding = 0) coherent buffer Bodies { BodyRow bodies[]; };
+layout(std430, set = 0, binding = 0) buffer Bodies { BodyRow bodies[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Blocks { NodeSumsRow blocks[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Contacts { ContactSumsRow contacts[]; };
-layout(std430, set = 0, binding = 3) buffer Lights { LightNodeRow lights[]; };
-layout(std430, set = 0, binding = 4) buffer Now { NodeStateRow now[]; };
-layout(std430, set = 0, binding = 5) buffer After { NodeStateRow after[]; };
 layout(push_constant) uniform Constants { ElasticConstants constants; };
 
 #include "device/passes/elastic_ledger_body.h"
@@ -44,22 +41,8 @@ void main() {
       contact_parts[thread] = sum_of(contact_parts[thread], contact_parts[thread + stride]);
     }
   }
-  if (thread == 0) finish_step(body, node_parts[0], contact_parts[0]);
-  memoryBarrierBuffer();
-  barrier();
-  vec3 angular;
-  const vec3 momentum = damp_light_nodes(body, thread, kElasticBlock, angular);
-  node_parts[thread].momentum = vec4(momentum, 0.0);
-  node_parts[thread].angular = vec4(angular, 0.0);
-  for (uint stride = kElasticBlock / 2; stride > 0; stride /= 2) {
-    barrier();
-    if (thread < stride) {
-      node_parts[thread].momentum += node_parts[thread + stride].momentum;
-      node_parts[thread].angular += node_parts[thread + stride].angular;
-    }
-  }
   if (thread == 0) {
-    take_back(body, vec3(node_parts[0].momentum), vec3(node_parts[0].angular));
+    finish_step(body, node_parts[0], contact_parts[0]);
     if (constants.step + 1 < steps) begin_step(body);
   }
 }

@@ -207,40 +207,6 @@ LIVEGS_SHARED_BODY void finish_step(uint i, NodeSumsRow total, ContactSumsRow co
   const float rest_j =
       total.momentum.w - 0.5f * per_kg * dot(relative, relative) - 0.5f * dot(spin, node_inertia * spin);
   b.deviation_m_s = sqrt(max(0.0f, 2.0f * rest_j * per_kg));
+  b.first = 0u;
   bodies[i] = b;
-}
-
-// Damps the light nodes k, k + by, ...; returns the momentum given, and the angular momentum in `angular`.
-LIVEGS_SHARED_BODY vec3 damp_light_nodes(uint i, uint k, uint by, LIVEGS_INOUT(vec3) angular) {
-  const vec3 spin = spin_of(columns_of(bodies[i].inertia_x, bodies[i].inertia_y, bodies[i].inertia_z),
-                            vec3(bodies[i].angular));
-  vec3 momentum = vec3(0.0f);
-  angular = vec3(0.0f);
-  for (uint n = bodies[i].first_light + k; n < bodies[i].first_light + bodies[i].light_count; n += by) {
-    const uint node = lights[n].node, parent = lights[n].parent;
-    const vec3 parent_m_s = vec3(after[parent].speed), gained = parent_m_s - vec3(lights[n].parent_m_s);
-    lights[n].parent_m_s = vec4(parent_m_s, 0.0f);
-    if (!(after[node].place.w > 0.0f)) continue;
-    const vec3 position = vec3(after[node].place);
-    const vec3 deviation =
-        parent_m_s - vec3(after[node].speed) - cross(spin, vec3(after[parent].place) - position);
-    const float added = bodies[i].first != 0u ? 0.0f : lights[n].added_part;
-    const vec3 change = 0.25f * deviation + added * (gained - bodies[i].step_s * vec3(bodies[i].gravity));
-    after[node].speed = vec4(vec3(after[node].speed) + change, after[node].speed.w);
-    now[node].speed = vec4(vec3(now[node].speed) + change, now[node].speed.w);
-    momentum += lights[n].mass_kg * change;
-    angular += lights[n].mass_kg * cross(position - vec3(bodies[i].centre), change);
-  }
-  return momentum;
-}
-
-// After the light nodes: their momentum is subtracted from the whole body.
-LIVEGS_SHARED_BODY void take_back(uint i, vec3 momentum, vec3 angular) {
-  if ((bodies[i].flags & kBodyHeld) == 0u && bodies[i].light_count > 0u) {
-    const mat3 nodes = columns_of(bodies[i].nodes_x, bodies[i].nodes_y, bodies[i].nodes_z);
-    bodies[i].velocity_correction =
-        vec4(vec3(bodies[i].velocity_correction) - (1.0f / bodies[i].mass_kg) * momentum, 0.0f);
-    bodies[i].spin_correction = vec4(vec3(bodies[i].spin_correction) - spin_of(nodes, angular), 0.0f);
-  }
-  bodies[i].first = 0u;
 }

@@ -59,8 +59,6 @@ struct LedgerPass {
   BodyRow* bodies;
   NodeSumsRow* blocks;
   ContactSumsRow* contacts;
-  LightNodeRow* lights;
-  NodeStateRow *now, *after;
 #include "device/passes/elastic_ledger_body.h"
 };
 
@@ -143,9 +141,8 @@ void run_advance(const PassArguments& arguments, size_t begin, size_t end) {
 
 void run_ledger(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<ElasticConstants>(arguments.constants, 0);
-  LedgerPass pass{rows_of<BodyRow>(arguments, 0),        rows_of<NodeSumsRow>(arguments, 1),
-                  rows_of<ContactSumsRow>(arguments, 2), rows_of<LightNodeRow>(arguments, 3),
-                  rows_of<NodeStateRow>(arguments, 4),   rows_of<NodeStateRow>(arguments, 5)};
+  LedgerPass pass{rows_of<BodyRow>(arguments, 0), rows_of<NodeSumsRow>(arguments, 1),
+                  rows_of<ContactSumsRow>(arguments, 2)};
   std::array<NodeSumsRow, kElasticBlock> nodes;
   std::array<ContactSumsRow, kElasticBlock> contacts;
   for (size_t i = begin; i < std::min<size_t>(end, constants.count); i += kElasticBlock) {
@@ -169,15 +166,6 @@ void run_ledger(const PassArguments& arguments, size_t begin, size_t end) {
     add_up(nodes);
     add_up(contacts);
     pass.finish_step(index, nodes[0], contacts[0]);
-    for (uint k = 0; k < kElasticBlock; ++k) {
-      vec3 angular;
-      const vec3 momentum = pass.damp_light_nodes(index, k, kElasticBlock, angular);
-      nodes[k] = no_node_sums();
-      nodes[k].momentum = vec4(momentum, 0.0f);
-      nodes[k].angular = vec4(angular, 0.0f);
-    }
-    add_up(nodes);
-    pass.take_back(index, vec3(nodes[0].momentum), vec3(nodes[0].angular));
     if (constants.step + 1 < body.steps) pass.begin_step(index);
   }
 }
@@ -211,7 +199,7 @@ const Pass& elastic_advance_pass() {
   return pass;
 }
 const Pass& elastic_ledger_pass() {
-  static const Pass pass = pass_of("elastic_ledger", 6, elastic_ledger_spirv, run_ledger);
+  static const Pass pass = pass_of("elastic_ledger", 3, elastic_ledger_spirv, run_ledger);
   return pass;
 }
 

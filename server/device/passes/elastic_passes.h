@@ -22,8 +22,7 @@ const Pass& elastic_contact_pass();
 // One item per node. Writes the new state over the previous one. Bodies, state, previous state, NodeSolveRow,
 // NodeDriftRow, loads, NodeSumsRow by block, body by block.
 const Pass& elastic_advance_pass();
-// kElasticBlock items per body. Bodies, NodeSumsRow, ContactSumsRow, LightNodeRow, state before the step, new
-// state.
+// kElasticBlock items per body. Bodies, NodeSumsRow, ContactSumsRow.
 const Pass& elastic_ledger_pass();
 
 }  // namespace livegs

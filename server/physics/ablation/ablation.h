@@ -13,7 +13,6 @@ enum class Mechanism : uint8_t {
   // elastic
   AlternatingSweep,
   CentrifugalCorrection,
-  ColliderSide,
   ContactLag,
   ContactWarmStart,
   CurvedPatches,
@@ -24,7 +23,6 @@ enum class Mechanism : uint8_t {
   FlowEnergyCheck,
   GripFade,
   ImpactSteps,
-  LightNodeDamping,
   LightNodeMass,
   LoadedDamping,
   MaterialInertia,

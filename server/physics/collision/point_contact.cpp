@@ -29,30 +29,13 @@ Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector
   return depth_m * normal - part * slid;
 }
 
-SurfaceSample swept_surface(const ColliderProbe& collider, const Vector3d& from_m, const Vector3d& to_m,
-                            const Vector3d& side) {
+SurfaceSample swept_surface(const ColliderProbe& collider, const Vector3d& from_m, const Vector3d& to_m) {
   const SurfaceSample at = collider.sample(to_m);
   const double thickness = thickness_m(collider.collider());
-  if (!(thickness < INFINITY)) return at;
   const Vector3d displacement = to_m - from_m;
-  const bool sided = side.squaredNorm() > 0.0,
-             fast = displacement.squaredNorm() > kMaxUnsweptPart * kMaxUnsweptPart * thickness * thickness;
-  if (!fast && (!sided || at.distance_m > 0.0 || at.normal.dot(side) > 0.0)) return at;
-  const double start_m = collider.sample(from_m).distance_m;
-  const double tolerance = 0.01 * thickness;
-  if (sided && start_m < 0.0) {
-    if (at.distance_m < 0.0 && at.normal.dot(side) > 0.0) return at;
-    double out = 0.0;
-    for (int march = 0; march < 32; ++march) {  // thin walls need few
-      const double inside = -collider.sample(from_m + out * side).distance_m;
-      if (inside <= 0.0) break;
-      out += std::max(inside, tolerance);
-    }
-    return {side.dot(displacement) - out, side};
-  }
-  if (!fast) return at;
+  if (!(displacement.norm() > kMaxUnsweptPart * thickness)) return at;
   const auto sample = [&](const Vector3d& point) { return collider.sample(point); };
-  const auto hit = cast_sphere(sample, from_m, displacement, 0.0, tolerance);
+  const auto hit = cast_sphere(sample, from_m, displacement, 0.0, 0.01 * thickness);
   if (!hit) return at;
   return {hit->separation_m + hit->normal.dot(displacement), hit->normal};
 }

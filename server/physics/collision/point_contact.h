@@ -18,10 +18,9 @@ Eigen::Vector3d contact_correction(const Eigen::Vector3d& normal, double depth_m
                                    const Eigen::Vector3d& moved_m, double friction);
 
 // Gap and normal that resolve the contact of a point moving from `from_m` to `to_m`. Thin colliders are
-// resolved on the side the point moved from: a fast point is swept along its displacement, and a point that
-// starts inside leaves along `side`, its previous contact normal (zero: none).
+// resolved on the side a fast point moved from: it is swept along its displacement.
 SurfaceSample swept_surface(const ColliderProbe& collider, const Eigen::Vector3d& from_m,
-                            const Eigen::Vector3d& to_m, const Eigen::Vector3d& side);
+                            const Eigen::Vector3d& to_m);
 
 // Whether a ball may touch the collider. Conservative by two cells of a distance field.
 bool reaches(const Collider& collider, const Eigen::Vector3d& centre_m, double radius_m);

@@ -43,6 +43,14 @@ PointSurface::PointSurface(const std::vector<SurfaceElement>& elements, double r
   sorted_.resize(elements.size());
   std::vector<uint32_t> next(begins_.begin(), begins_.end() - 1);
   for (uint32_t i = 0; i < elements.size(); ++i) sorted_[next[cell_of(elements[i].position_m)]++] = i;
+  x_m_.reserve(elements.size());
+  y_m_.reserve(elements.size());
+  z_m_.reserve(elements.size());
+  for (const uint32_t i : sorted_) {
+    x_m_.push_back(elements[i].position_m.x());
+    y_m_.push_back(elements[i].position_m.y());
+    z_m_.push_back(elements[i].position_m.z());
+  }
 }
 
 template <class Visit>
@@ -54,11 +62,19 @@ void PointSurface::visit_near(const Vector3d& point_m, const Visit& visit) const
       (high / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().min(counts_.array() - 1);
   for (int z = first.z(); z <= last.z(); ++z) {
     for (int y = first.y(); y <= last.y(); ++y) {
-      for (int x = first.x(); x <= last.x(); ++x) {
-        const int cell = x + counts_.x() * (y + counts_.y() * z);
-        for (uint32_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
-          const double square = (elements_[sorted_[k]].position_m - point_m).squaredNorm();
-          if (square < reach_m_ * reach_m_) visit(sorted_[k], square);
+      if (first.x() > last.x()) continue;
+      const int row = counts_.x() * (y + counts_.y() * z);  // its cells are next to each other
+      const uint32_t end = begins_[row + last.x() + 1];
+      std::array<double, 64> squares;
+      for (uint32_t block = begins_[row + first.x()]; block < end; block += squares.size()) {
+        const uint32_t count = std::min<uint32_t>(squares.size(), end - block);
+        for (uint32_t k = 0; k < count; ++k) {
+          const double dx = x_m_[block + k] - point_m.x(), dy = y_m_[block + k] - point_m.y(),
+                       dz = z_m_[block + k] - point_m.z();
+          squares[k] = dx * dx + dy * dy + dz * dz;
+        }
+        for (uint32_t k = 0; k < count; ++k) {
+          if (squares[k] < reach_m_ * reach_m_) visit(sorted_[block + k], squares[k]);
         }
       }
     }

@@ -56,7 +56,8 @@ class PointSurface {
   double reach_m_, cell_m_;
   Eigen::Vector3d low_m_;
   Eigen::Vector3i counts_;
-  std::vector<uint32_t> begins_, sorted_;
+  std::vector<uint32_t> begins_, sorted_;  // elements by cell
+  std::vector<double> x_m_, y_m_, z_m_;    // positions of sorted_
 };
 
 }  // namespace livegs

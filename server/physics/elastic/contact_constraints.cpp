@@ -53,7 +53,7 @@ struct RowNodes {
   uint32_t nodes[8];
   float weights[8], pulls[8];
 
-  Float4 displacement_m() const {
+  [[gnu::always_inline]] Float4 displacement_m() const {
     Float4 low{}, high{};  // two sums, to break the dependency chain
 #pragma GCC unroll 4
     for (int c = 0; c < 4; ++c) {
@@ -67,7 +67,7 @@ struct RowNodes {
     for (int c = 0; c < 8; ++c) sum += weights[c] * pulls[c];
     return sum;
   }
-  void apply(const Float4& impulse_n_s) const {
+  [[gnu::always_inline]] void apply(const Float4& impulse_n_s) const {
 #pragma GCC unroll 8
     for (int c = 0; c < 8; ++c) corrections[nodes[c]] += pulls[c] * impulse_n_s;
   }
@@ -84,28 +84,31 @@ struct SolvedRow {
   RowNodes a, b;
   ContactConstraint* row;
 
-  Double4 displacement_m() const {
+  // `nodes`: both sides have corrections.
+  template <bool nodes>
+  [[gnu::always_inline]] Double4 displacement_m() const {
     Double4 sum = base_m;
-    if (a.corrections) {
+    if (nodes || a.corrections) {
       sum += __builtin_convertvector(a.displacement_m(), Double4);
     } else {
       sum += wide(row->a->displacement_m(row->anchor_a));
     }
-    if (b.corrections) {
+    if (nodes || b.corrections) {
       sum -= __builtin_convertvector(b.displacement_m(), Double4);
     } else {
       sum -= wide(row->b->displacement_m(row->anchor_b));
     }
     return sum;
   }
-  void apply(const Double4& by_n_s) const {
+  template <bool nodes>
+  [[gnu::always_inline]] void apply(const Double4& by_n_s) const {
     const Float4 narrow = __builtin_convertvector(by_n_s, Float4);
-    if (a.corrections) {
+    if (nodes || a.corrections) {
       a.apply(narrow);
     } else {
       row->a->apply_impulse(row->anchor_a, row->point_m, vector(by_n_s));
     }
-    if (b.corrections) {
+    if (nodes || b.corrections) {
       b.apply(-narrow);
     } else {
       row->b->apply_impulse(row->anchor_b, row->point_m, vector(-by_n_s));
@@ -159,27 +162,34 @@ void prepare(ContactConstraint& row, double step_s, SolvedRow& solved) {
   const Vector3d friction = row.friction_impulse_n_s - row.normal * row.normal.dot(row.friction_impulse_n_s);
   solved.friction_n_s = wide(moves ? friction : Vector3d::Zero());
 
-  const double before_m = dot(solved.normal, solved.displacement_m());
+  const double before_m = dot(solved.normal, solved.displacement_m<false>());
   const double least_gap_m = std::min(0.0, row.gap_m - before_m + row.push_m_s * step_s);
   solved.gap_m = row.gap_m - before_m - least_gap_m;
 }
 
-// Returns the magnitude of the change of the row's impulse.
-double solve(SolvedRow& row) {
-  const Double4 displacement = row.displacement_m();
+// Sums over rows.
+struct RowChanges {
+  double size_n_s = 0.0;    // magnitudes of the changes of their impulses
+  double normal_n_s = 0.0;  // changes of their normal impulses
+};
+
+template <bool nodes>
+void solve(SolvedRow& row, RowChanges& changes) {
+  const Double4 displacement = row.displacement_m<nodes>();
   const double along = dot(row.normal, displacement);
   const double open_m = row.gap_m + along + row.proximal * (row.impulse_n_s - row.last_impulse_n_s);
   const double normal = std::max(0.0, row.impulse_n_s - open_m * row.per_normal_response);
-  if (row.per_normal_response == 0.0 || (normal == 0.0 && row.impulse_n_s == 0.0)) return 0.0;
+  if (row.per_normal_response == 0.0 || (normal == 0.0 && row.impulse_n_s == 0.0)) return;
   const Double4 slid = displacement - along * row.normal;
   Double4 friction = row.friction_n_s - row.per_tangent_response * slid;
   const double square = dot(friction, friction), limit = row.friction * normal;
   if (square > limit * limit) friction *= limit / std::sqrt(square);
   const Double4 change = (normal - row.impulse_n_s) * row.normal + friction - row.friction_n_s;
+  changes.normal_n_s += normal - row.impulse_n_s;
+  changes.size_n_s += std::sqrt(dot(change, change));
   row.impulse_n_s = normal;
   row.friction_n_s = friction;
-  row.apply(change);
-  return std::sqrt(dot(change, change));
+  row.apply<nodes>(change);
 }
 
 // The rows between two bodies. Pairs of one colour share no body.
@@ -191,22 +201,19 @@ struct RowPair {
   bool converged = false;    // the last sweep over all rows changed little
   bool solved = false;       // and so did the other pairs of its bodies since then
   bool backward = false;     // direction of the next sweep
+  bool nodes = true;         // all rows have corrections on both sides
   double total_n_s = 0.0;    // sum of the impulses
   double changed_n_s = 0.0;  // sum of their changes in this round
   double seen_n_s = 0.0;     // sum of the changes at its bodies that its last sweeps started from or made
 
   std::span<SolvedRow> all() const { return {rows, row_count}; }
-  double sum_n_s() const {
-    double sum = 0.0;
-    for (const SolvedRow& row : all()) sum += row.impulse_n_s;
-    return sum;
-  }
 };
 
-double sweep(std::span<SolvedRow* const> rows, bool backward) {
-  double changed_n_s = 0.0;
-  for (size_t n = 0; n < rows.size(); ++n) changed_n_s += solve(*rows[backward ? rows.size() - 1 - n : n]);
-  return changed_n_s;
+template <bool nodes>
+RowChanges sweep(std::span<SolvedRow* const> rows, bool backward) {
+  RowChanges changes;
+  for (size_t n = 0; n < rows.size(); ++n) solve<nodes>(*rows[backward ? rows.size() - 1 - n : n], changes);
+  return changes;
 }
 
 // One sweep over all rows of the pair and, unless it is solved, some over those that push. `borne_n_s`: the
@@ -216,11 +223,12 @@ void solve_pair(RowPair& pair, double borne_n_s) {
   rows.reserve(pair.row_count);
   for (SolvedRow& row : pair.all()) rows.push_back(&row);
   for (int k = 0; k <= kPushingSweeps; ++k) {
-    const double changed_n_s = sweep(rows, pair.backward);
+    const RowChanges changes =
+        pair.nodes ? sweep<true>(rows, pair.backward) : sweep<false>(rows, pair.backward);
     pair.backward = !pair.backward;
-    pair.total_n_s = pair.sum_n_s();
-    pair.changed_n_s += changed_n_s;
-    const bool converged = changed_n_s <= kConvergence * std::max(borne_n_s, pair.total_n_s);
+    pair.total_n_s += changes.normal_n_s;
+    pair.changed_n_s += changes.size_n_s;
+    const bool converged = changes.size_n_s <= kConvergence * std::max(borne_n_s, pair.total_n_s);
     if (k == 0) {
       pair.converged = converged;
       std::erase_if(rows, [](const SolvedRow* row) { return row->impulse_n_s == 0.0; });
@@ -335,9 +343,10 @@ void solve_contacts(std::span<ContactConstraint* const> constraints, double step
   ContactPairs contacts(constraints, step_s);
   contacts.visit_unsolved([](RowPair& pair) {
     for (const SolvedRow& row : pair.all()) {
-      if (row.impulse_n_s != 0.0) row.apply(row.impulse_n_s * row.normal + row.friction_n_s);
+      if (row.impulse_n_s != 0.0) row.apply<false>(row.impulse_n_s * row.normal + row.friction_n_s);
+      pair.total_n_s += row.impulse_n_s;
+      pair.nodes = pair.nodes && row.a.corrections && row.b.corrections;
     }
-    pair.total_n_s = pair.sum_n_s();
   });
   struct Body {
     double borne_n_s = 0.0, changed_n_s = 0.0;  // sums of the impulses of its pairs and of their changes

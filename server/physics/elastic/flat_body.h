@@ -41,10 +41,6 @@ struct FlatLattice {
     float weights[8];
     float mobility;  // 1/kg
   };
-  struct LightNode {
-    uint32_t node, parent;
-    float added_part, mass_kg;
-  };
   size_t node_count = 0;
   std::vector<Cell> cells;
   // Centroid (3), mobility G (6: 11, 22, 33, 23, 13, 12), mode coupling (4 x 3).
@@ -54,7 +50,6 @@ struct FlatLattice {
   std::array<std::vector<std::array<float, kGains>>, 4> gains;
   std::vector<SurfaceCell> surface_cells;
   std::vector<SurfacePoint> surface_points;
-  std::vector<LightNode> light_nodes;
 };
 
 // A plane, box or sphere near the body, positions relative to the body's origin.
@@ -65,7 +60,6 @@ struct FlatCollider {
   Eigen::Vector3d half_m = Eigen::Vector3d::Zero();  // sphere: the radius
   double thickness_m = 0.0;                          // 0: nothing tunnels through
   double friction = 0.0;                             // with the body
-  uint32_t index = 0;                                // of FlatTick::colliders
 };
 
 // Loads on a body in a tick.
@@ -89,10 +83,8 @@ struct FlatState {
   std::vector<FlatVector> loads_n;  // by node; empty: none
   std::vector<FlatCollider> colliders;
 
-  std::vector<FlatNode> now, before;   // the current and the previous state
-  std::vector<FlatVector> rotations;   // by cell: x, y, z, w
-  std::vector<FlatVector> sides;       // by surface point: normal, 1 + number in `colliders`; empty: none
-  std::vector<FlatVector> parent_m_s;  // by light node
+  std::vector<FlatNode> now, before;  // the current and the previous state
+  std::vector<FlatVector> rotations;  // by cell: x, y, z, w
   bool first = true, uneven = false, strained = false, touching = false, backward = false;
   double deviation_m_s = 0, pressed_n = 0, carried_n = 0;
   MomentumLedger ledger;

@@ -68,12 +68,14 @@ TriangleMesh cup() {
 }  // namespace
 
 std::vector<Measurement> fast_plate(StabilityRun& run) {
+  constexpr double kBall_m = 0.025, kPlate_m = 0.005;
   int passed = 0, shots = 0;
+  double sink_m = 0.0;  // of balls into the fixed plate
   const auto shoot = [&](bool free_plate, const RigidBodyDescription& thing) {
     World world = run.world(kWeightless);
     if (!free_plate) {
-      world.add_collider(Collider{BoxShape{{1.0, 1.0, 0.005}}, Pose{}, 0.3, 0.0});
-    } else if (!world.add_rigid(rigid_body(1, box_mesh({1.0, 1.0, 0.005}), 5.0))) {
+      world.add_collider(Collider{BoxShape{{1.0, 1.0, kPlate_m}}, Pose{}, 0.3, 0.0});
+    } else if (!world.add_rigid(rigid_body(1, box_mesh({1.0, 1.0, kPlate_m}), 5.0))) {
       return;
     }
     if (!world.add_rigid(thing)) return;
@@ -81,17 +83,19 @@ std::vector<Measurement> fast_plate(StabilityRun& run) {
     run.step(world, 0.3, [&] {
       const Pose plate = free_plate ? body_of(world, 1).world_from_body : Pose{};
       const Vector3d seen = plate.inverse() * body_of(world, 2).world_from_body.position_m;
-      through = std::abs(seen.x()) < 0.5 && std::abs(seen.y()) < 0.5 && seen.z() < 0.0;
+      const bool over = std::abs(seen.x()) < 0.5 && std::abs(seen.y()) < 0.5;
+      through = over && seen.z() < 0.0;
+      if (over && !free_plate) sink_m = std::max(sink_m, kBall_m + 0.5 * kPlate_m - seen.z());
       return !through;
     });
     passed += through;
     ++shots;
   };
-  for (const double speed_m_s : {15.0, 30.0, 45.0, 60.0}) {
-    for (int aim = 0; aim < 15; ++aim) {
+  for (const double speed_m_s : {15.0, 30.0, 45.0, 60.0, 100.0}) {
+    for (int aim = 0; aim < 240; ++aim) {
       RigidBodyDescription thing = aim % 3 == 0   ? rigid_body(2, box_mesh({0.1, 0.002, 0.06}), 0.1)
                                    : aim % 3 == 1 ? rigid_body(2, box_mesh({0.01, 0.3, 0.01}), 0.1)
-                                                  : rigid_body(2, sphere_mesh(0.025, 3), 0.5);
+                                                  : rigid_body(2, sphere_mesh(kBall_m, 3), 0.5);
       thing.world_from_object = {{0, 0, 0.6}, orientation_of(aim)};
       thing.velocity_m_s = {0.06 * speed_m_s * std::sin(aim), 0.06 * speed_m_s * std::cos(aim), -speed_m_s};
       thing.angular_velocity_rad_s =
@@ -99,7 +103,8 @@ std::vector<Measurement> fast_plate(StabilityRun& run) {
       shoot(aim % 3 != 2, thing);
     }
   }
-  return {absolute("passed", static_cast<double>(passed) / shots, 0.0, 0.01)};
+  return {absolute("passed", static_cast<double>(passed) / shots, 0.0, 0.01),
+          absolute("sink", sink_m, 0.0, 0.001, "m")};
 }
 
 std::vector<Measurement> coincident_bodies(StabilityRun& run) {

@@ -33,9 +33,14 @@ ParticleSet plant() {
   for (int leaf = 0; leaf < 6; ++leaf) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.1 * leaf, Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(0.5, Vector3d::UnitZ()));
-    const Vector3d at = Vector3d(0, 0.16 + 0.02 * leaf, 0) + turn * Vector3d(0.065, 0, 0);
-    join(particles, sample_particles(box_mesh({0.13, 0.002, 0.03}), 40), {at, turn});
+    for (int part = 0; part < 5; ++part) {  // an arc of five flat parts
+      const Eigen::Quaterniond bend(Eigen::AngleAxisd(0.3 - 0.3 * part, Vector3d::UnitZ()));
+      const double angle = 0.15 + 0.3 * part;
+      const Vector3d at(0.09 * std::sin(angle), 0.16 + 0.02 * leaf + 0.09 * (std::cos(angle) - 1.0), 0);
+      join(particles, sample_particles(box_mesh({0.028, 0.002, 0.03}), 8), {turn * at, turn * bend});
+    }
   }
+  particles.spacing_m = 0.03;  // cells much wider than leaves
   return particles;
 }
 

@@ -66,7 +66,8 @@ std::vector<Measurement> jerked_plant(StabilityRun& run);
 // of a particle from the centre, relative to that at rest.
 std::vector<Measurement> haze(StabilityRun& run);
 
-// Cards, rods and facetted balls fly against thin plates at 10 to 60 m/s. `passed`: share that passed.
+// Cards, rods and facetted balls fly against thin plates at 15 to 100 m/s. `passed`: share that passed.
+// `sink`: of balls into a fixed plate.
 std::vector<Measurement> fast_plate(StabilityRun& run);
 // Two bodies at the same place, boxes, balls and notched ones, without gravity. `apart`: share of pairs that
 // do not separate within 3 s. `speed`: the highest, m/s.

@@ -18,9 +18,9 @@ std::vector<std::unique_ptr<FlatBlock>> blocks() {
   };
   add({.cells = {4, 3, 5}, .steps = 6, .height_m = 0.034});
   add({.cells = {9, 2, 3}, .steps = 3, .height_m = 0.2, .held = true});
-  add({.cells = {3, 6, 3}, .steps = 4, .height_m = 0.5, .loaded = true, .lights = true});
+  add({.cells = {3, 6, 3}, .steps = 4, .height_m = 0.5, .loaded = true});
   add({.cells = {1, 1, 1}, .steps = 5, .height_m = 0.3, .touches = false});
-  add({.cells = {12, 2, 9}, .steps = 4, .height_m = 0.024, .lights = true});
+  add({.cells = {12, 2, 9}, .steps = 4, .height_m = 0.024});
   return all;
 }
 

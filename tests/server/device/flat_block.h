@@ -20,7 +20,6 @@ class FlatBlock final : public FlatBody {
     double height_m = 0.0;  // of its middle
     bool held = false;      // at its face x = 0
     bool loaded = false;    // a force on each node of the opposite face
-    bool lights = false;    // every fifth node follows the next one
     bool touches = true;    // may touch the colliders of the tick
   };
 
@@ -56,10 +55,6 @@ class FlatBlock final : public FlatBody {
         }
       }
     }
-    for (uint32_t i = 0; options.lights && i + 1 < lattice_.node_count; i += 5) {
-      lattice_.light_nodes.push_back({i, i + 1, 0.5f, static_cast<float>(kMass_kg)});
-      state_.parent_m_s.push_back({});
-    }
     state_.rotations.assign(lattice_.cells.size(), {0, 0, 0, 1});
     set_motion();
   }
@@ -76,10 +71,9 @@ class FlatBlock final : public FlatBody {
     state.weight_n = state.mass_kg * tick.gravity_m_s2.norm();
     state.slow_m_s = 0.1 * std::sqrt(tick.gravity_m_s2.norm() * kWidth_m);
     state.colliders.clear();
-    for (uint32_t k = 0; options_.touches && k < tick.colliders.size(); ++k) {
-      const Collider& collider = tick.colliders[k];
+    for (const Collider& collider : tick.colliders) {
+      if (!options_.touches) break;
       FlatCollider flat;
-      flat.index = k;
       flat.at_m = collider.world_from_collider.position_m;
       flat.world_from_collider = collider.world_from_collider.orientation.toRotationMatrix();
       flat.friction = collider.friction;
@@ -94,7 +88,6 @@ class FlatBlock final : public FlatBody {
       }
       state.colliders.push_back(flat);
     }
-    state.sides.assign(state.colliders.empty() ? 0 : lattice_.surface_points.size(), FlatVector{});
     return nullptr;
   }
   void end_flat_tick(const FlatTick&, const FlatState& state) override {

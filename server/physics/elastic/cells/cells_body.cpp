@@ -161,15 +161,12 @@ void CellsBody::regularise_node_masses() {
       if (masses_kg_[heaviest] > masses_kg_[parents[node]]) parents[node] = heaviest;
     }
   }
-  light_nodes_.clear();
   double before = 0.0, after = 0.0;
   const std::vector<double> own_kg = masses_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
     before += own_kg[i];
     if (!without(Mechanism::LightNodeMass) && own_kg[i] < kMinNodeMassRatio * own_kg[parents[i]]) {
       masses_kg_[i] = kMinNodeMassRatio * own_kg[parents[i]];
-      light_nodes_.push_back(
-          {i, parents[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(parents[i])});
     }
     after += masses_kg_[i];
   }
@@ -409,7 +406,6 @@ void CellsBody::wake() {
   rest_.sleep_timer.wake();
   rest_.stationary_s = 0.0;
   colliders_.margin_m = 0.0;  // colliders may have changed
-  colliders_.sides.clear();
 }
 
 // Hysteretic damping dissipates 2 pi eta of a vibration's energy per cycle. Damping at the rate eta omega is

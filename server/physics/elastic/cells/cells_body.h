@@ -111,7 +111,6 @@ class CellsBody final : public ElasticBody, public FlatBody {
   using SurfaceCell = cells::SurfaceCell;
   using CurvedPatch = cells::CurvedPatch;
   using Candidate = cells::Candidate;
-  using Side = cells::Side;
   using ColliderContact = cells::ColliderContact;
   using DynamicContact = cells::DynamicContact;
   using ElasticContacts = cells::ElasticContacts;
@@ -120,12 +119,6 @@ class CellsBody final : public ElasticBody, public FlatBody {
   using LastForce = cells::LastForce;
   using StepGains = cells::Gains::OfStep;
 
-  // A node with added mass (regularise_node_masses) and the heaviest node of its cells.
-  struct LightNode {
-    uint32_t node, parent;
-    double added_mass_fraction;                            // added part of its mass
-    Eigen::Vector3d parent_m_s = Eigen::Vector3d::Zero();  // velocity of the parent after the last step
-  };
   struct Ball {
     Vector3d centre_m;  // relative to the origin
     double radius_m;
@@ -141,7 +134,6 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void set_moment_map();
   double density_of(const LatticeCell& cell) const;  // kg/m³, mean of its materials
   void regularise_node_masses();
-  void damp_light_nodes(double step_s, const Eigen::Vector3d& gravity_m_s2);
   void rebuild_cells();
   void predict_accuracy();
   double asked_modulus_pa(size_t material) const;
@@ -291,7 +283,6 @@ class CellsBody final : public ElasticBody, public FlatBody {
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
-  std::vector<LightNode> light_nodes_;
   CellBatches batches_;
   Vector3d origin_m_ = Vector3d::Zero();  // origin of the node positions
   double reach_m_ = 0.0;                  // radius about the centre of mass that encloses every node

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/cells/contact_margins.h"
 #include "physics/elastic/contact_constraints.h"
@@ -68,16 +67,12 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
   if (colliders_.margin_m <= 0.0 || colliders_.count != context.colliders.size()) find_candidates(context);
 
   if (colliders_.candidates.empty()) return;
-  if (colliders_.sides.empty()) colliders_.sides.assign(surface_.points.size(), Side{});
   const size_t first_contact = colliders_.contacts.size();
   const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
-  const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, uint32_t i) {
+  const auto resolve = [&](const ColliderProbe& collider, uint32_t i) {
     NodeSample sample = surface_.points[i];
-    Side& side = colliders_.sides[i];
     Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
-    const bool met = side.collider == collider_index && !without(Mechanism::ColliderSide);
-    const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
-    SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
+    SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point);
     const double patch_depth = patch_depth_m(i);
     double w = surface_.mobility[i];
     if (patch_depth > 0.0 && surface.distance_m < patch_depth) {
@@ -85,13 +80,9 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
       w = mobility(sample);
       point = nodes_.corrected_m(sample);
       from = nodes_.position_m(sample);
-      surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
+      surface = swept_surface(collider, origin_m_ + from, origin_m_ + point);
     }
-    if (surface.distance_m >= 0.0) {
-      if (met) side = {};
-      return;
-    }
-    side = {collider_index, surface.normal.cast<float>()};
+    if (surface.distance_m >= 0.0) return;
     step_.touching = true;
     // Initial overlaps separate at kContactPushSpeed_m_s at most.
     const Vector3d moved = point - from;
@@ -111,7 +102,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const ColliderProbe& collider = probes[candidate.collider];
     const uint32_t count = cell.end - cell.begin;
     for (uint32_t i = 0; i < count; ++i) {
-      resolve(collider, candidate.collider, step_.backward ? cell.end - 1 - i : cell.begin + i);
+      resolve(collider, step_.backward ? cell.end - 1 - i : cell.begin + i);
     }
   }
   apply_rolling_resistance(first_contact, step_s);

@@ -44,11 +44,6 @@ const char* CellsBody::flat_obstacle() const {
   for (const ConstrainedRegion& held : holding_.regions) {
     if (!held.released && !held.particles.empty()) return "it is held at single particles";
   }
-  std::vector<bool> is_light(nodes_.count(), false);
-  for (const LightNode& light : light_nodes_) is_light[light.node] = true;
-  for (const LightNode& light : light_nodes_) {
-    if (is_light[light.parent]) return "light nodes follow one another";
-  }
   return nullptr;
 }
 
@@ -119,10 +114,6 @@ void CellsBody::write_flat(FlatLattice& lattice) {
     point.mobility = surface_.mobility[i];
     lattice.surface_points.push_back(point);
   }
-  for (const LightNode& light : light_nodes_) {
-    lattice.light_nodes.push_back({light.node, light.parent, static_cast<float>(light.added_mass_fraction),
-                                   static_cast<float>(masses_kg_[light.node])});
-  }
 }
 
 const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
@@ -152,8 +143,7 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
   colliders_.margin_m = 0.0;
   state = {};
   const auto end = surface_.cells.cend();
-  for (uint32_t k = 0; k < tick.colliders.size(); ++k) {
-    const Collider& collider = tick.colliders[k];
+  for (const Collider& collider : tick.colliders) {
     if (!reaches(collider, origin_m_ + ledger_.motion.centre_m, 1.5 * reach_m_ + extent_.box_edge_m + margin))
       continue;
     const auto found = std::find_if(surface_.cells.cbegin(), end, [&](const SurfaceCell& cell) {
@@ -164,7 +154,6 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
     if (!surface_.patches.empty()) return "its surface is curved and something is near";
     if (!surface_.lattice_cells.empty()) return "its friction varies and something is near";
     FlatCollider flat;
-    flat.index = k;
     flat.friction = mixed_friction(materials_.own.friction, collider.friction);
     flat.at_m = collider.world_from_collider.position_m - origin_m_;
     flat.world_from_collider = collider.world_from_collider.orientation.toRotationMatrix();
@@ -233,20 +222,6 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
         at.kind == CellPlace::Kind::Full ? batches_.full[at.index].rotation : batches_.cut[at.index].rotation;
     state.rotations.push_back({q[1][at.lane], q[2][at.lane], q[3][at.lane], q[0][at.lane]});
   }
-  const bool sided = std::any_of(state.colliders.begin(), state.colliders.end(),
-                                 [](const FlatCollider& one) { return one.thickness_m > 0.0; });
-  if (sided) state.sides.assign(surface_.points.size(), FlatVector{});
-  for (size_t i = 0; i < state.sides.size() && i < colliders_.sides.size(); ++i) {
-    const Side& side = colliders_.sides[i];
-    for (size_t n = 0; n < state.colliders.size(); ++n) {
-      if (state.colliders[n].index == side.collider)
-        state.sides[i] = {side.normal.x(), side.normal.y(), side.normal.z(), static_cast<float>(n + 1)};
-    }
-  }
-  for (const LightNode& light : light_nodes_) {
-    const Eigen::Vector3f v = light.parent_m_s.cast<float>();
-    state.parent_m_s.push_back({v.x(), v.y(), v.z(), 0.0f});
-  }
   state.first = step_.first;
   state.strained = step_.strained;
   state.touching = step_.touching;
@@ -274,17 +249,6 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
         at.kind == CellPlace::Kind::Full ? batches_.full[at.index].rotation : batches_.cut[at.index].rotation;
     const FlatVector& turned = state.rotations[cell++];
     for (size_t k = 0; k < 4; ++k) q[k][at.lane] = turned[(k + 3) % 4];
-  }
-  if (!state.sides.empty()) colliders_.sides.assign(surface_.points.size(), Side{});
-  for (size_t i = 0; i < state.sides.size(); ++i) {
-    const FlatVector& side = state.sides[i];
-    if (side[3] > 0.0f)
-      colliders_.sides[i] = {state.colliders[static_cast<size_t>(side[3]) - 1].index,
-                             {side[0], side[1], side[2]}};
-  }
-  for (size_t i = 0; i < light_nodes_.size(); ++i) {
-    const FlatVector& v = state.parent_m_s[i];
-    light_nodes_[i].parent_m_s = Vector3d(v[0], v[1], v[2]);
   }
   for (const Load& load : loads_.points)
     limiter_.work_j += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);

@@ -153,7 +153,6 @@ void CellsBody::set_rest_shape(const Pose& world_from_object, const Vector3d& ve
     const Vector3d arm = orientation_ * (lattice_.node_position_m(i) - rest_centre);
     nodes_.set_motion(i, arm, velocity_m_s + angular_velocity_rad_s.cross(arm));
   }
-  for (LightNode& light_node : light_nodes_) light_node.parent_m_s = velocity_m_s;
   if (!plastic_.parts.empty()) discard_plastic_flow();
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   ledger_.step_orientation = orientation_;
@@ -164,7 +163,6 @@ void CellsBody::set_rest_shape(const Pose& world_from_object, const Vector3d& ve
   limiter_.limit_j.reset();
   loads_.contact_total = {};
   bodies_.stuck.clear();
-  colliders_.sides.clear();
   surface_.boxes_known = false;
 }
 

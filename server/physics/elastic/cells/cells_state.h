@@ -144,12 +144,6 @@ struct Candidate {
   double apart_m = 0.0;  // relative motion until a point of the cell can touch the body
 };
 
-// The side of a collider that a surface point was on at its last contact.
-struct Side {
-  uint32_t collider = UINT32_MAX;
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-};
-
 struct ColliderContact {
   uint32_t point;  // index in Surface::points
   NodeSample sample;
@@ -162,7 +156,6 @@ struct ColliderContacts {
   double margin_m = 0.0;                  // remaining motion of any node before a new search
   size_t count = 0;                       // of colliders at the search
   std::vector<ColliderContact> contacts;  // of this step
-  std::vector<Side> sides;                // by surface point; empty until a collider is near
 };
 
 struct DynamicContact {

@@ -45,9 +45,6 @@ constexpr double kImpactFrames = 2.0;
 // Time constant of the carried load; spans several bounces.
 constexpr double kCarriedLoadTime_s = 0.25;
 
-// Fraction per step of a light node's motion relative to its parent that is removed.
-constexpr double kLightNodeDamping = 0.25;
-
 // Maximum length of a world substep, in scene substeps; about 1 s at 90 Hz and 64 substeps.
 constexpr double kMaxSceneSubsteps = 6000.0;
 
@@ -210,7 +207,6 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   advance(part.duration_s);
   for (const Load& load : loads_.points)
     limiter_.work_j += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);
-  damp_light_nodes(part.duration_s, context.gravity_m_s2);
   step_.first = false;
   step_.in_step = false;
 }
@@ -312,33 +308,6 @@ void CellsBody::advance(double h) {
     ledger_.angular_before +=
         (nodes_.position_m(touch.sample) - ledger_.motion.centre_m).cross(touch.impulse_n_s);
   }
-}
-
-// Damps light nodes. Their added mass is not that of the material, and little stiffness holds them. Their
-// motion relative to the parent node, without the rigid motion of the body, is damped. The added mass follows
-// the parent: it gets the velocity change of the parent, without gravity, which the next step adds.
-void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
-  if (without(Mechanism::LightNodeDamping)) return;
-  const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
-  Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
-  for (LightNode& light_node : light_nodes_) {
-    const Vector3d parent_m_s = nodes_.velocity_m_s(light_node.parent),
-                   gained = parent_m_s - light_node.parent_m_s;
-    light_node.parent_m_s = parent_m_s;
-    if (inverse_masses_[light_node.node] == 0.0) continue;
-    const Vector3d position = nodes_.position_m(light_node.node);
-    const Vector3d deviation_m_s = parent_m_s - nodes_.velocity_m_s(light_node.node) -
-                                   spin.cross(nodes_.position_m(light_node.parent) - position);
-    const Vector3d change =
-        kLightNodeDamping * deviation_m_s +
-        (step_.first ? 0.0 : light_node.added_mass_fraction) * (gained - step_s * gravity_m_s2);
-    nodes_.change_velocities(light_node.node, change);
-    momentum += masses_kg_[light_node.node] * change;
-    angular += masses_kg_[light_node.node] * (position - ledger_.motion.centre_m).cross(change);
-  }
-  if (light_nodes_.empty() || !free()) return;
-  ledger_.velocity_correction -= momentum / mass_kg_;
-  ledger_.spin_correction -= solve_inertia(ledger_.node_inertia, angular);
 }
 
 // Updates the motion of the whole body and the difference between ledger and nodes. An impulse J at p changes
