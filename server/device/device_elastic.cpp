@@ -18,7 +18,7 @@ namespace {
 using namespace shader;
 
 static_assert(sizeof(FlatNode) == sizeof(NodeStateRow) && sizeof(FlatVector) == sizeof(vec4));
-static_assert(FlatLattice::kConstants == kCellConstants && FlatLattice::kGains == kCellGains);
+static_assert(FlatLattice::Constants().size() == kCellConstants && FlatLattice::Gains().size() == kCellGains);
 
 vec4 row_of(const Eigen::Vector3d& v, double w = 0.0) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),

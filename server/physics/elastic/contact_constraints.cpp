@@ -50,26 +50,26 @@ double dot(const Double4& a, const Double4& b) {
 // The nodes of one side. Without corrections the participant computes displacements and applies impulses.
 struct RowNodes {
   Float4* corrections = nullptr;
-  uint32_t nodes[8];
-  float weights[8], pulls[8];
+  NodeSample sample;
+  std::array<float, 8> pulls;
 
   [[gnu::always_inline]] Float4 displacement_m() const {
     Float4 low{}, high{};  // two sums, to break the dependency chain
 #pragma GCC unroll 4
     for (int c = 0; c < 4; ++c) {
-      low += weights[c] * corrections[nodes[c]];
-      high += weights[c + 4] * corrections[nodes[c + 4]];
+      low += sample.weights[c] * corrections[sample.nodes[c]];
+      high += sample.weights[c + 4] * corrections[sample.nodes[c + 4]];
     }
     return low + high;
   }
   double response() const {  // in any direction, m/(N s)
     float sum = 0.0f;
-    for (int c = 0; c < 8; ++c) sum += weights[c] * pulls[c];
+    for (int c = 0; c < 8; ++c) sum += sample.weights[c] * pulls[c];
     return sum;
   }
   [[gnu::always_inline]] void apply(const Float4& impulse_n_s) const {
 #pragma GCC unroll 8
-    for (int c = 0; c < 8; ++c) corrections[nodes[c]] += pulls[c] * impulse_n_s;
+    for (int c = 0; c < 8; ++c) corrections[sample.nodes[c]] += pulls[c] * impulse_n_s;
   }
 };
 
@@ -116,15 +116,6 @@ struct SolvedRow {
   }
 };
 
-RowNodes row_nodes(const AnchorNodes& view, const NodeSample& sample) {
-  RowNodes nodes;
-  nodes.corrections = reinterpret_cast<Float4*>(view.corrections);
-  std::copy(std::begin(sample.nodes), std::end(sample.nodes), nodes.nodes);
-  std::copy(std::begin(sample.weights), std::end(sample.weights), nodes.weights);
-  std::copy(std::begin(view.pulls), std::end(view.pulls), nodes.pulls);
-  return nodes;
-}
-
 // Response of a relative to b, m/(N s): along the normal, and the largest one in the tangent plane.
 struct RowResponse {
   double normal, tangent;
@@ -147,8 +138,8 @@ RowResponse response_of(const ContactConstraint& row, const RowNodes& a, const R
 void prepare(ContactConstraint& row, double step_s, SolvedRow& solved) {
   solved.row = &row;
   const AnchorNodes a = row.a->nodes_of(row.anchor_a), b = row.b->nodes_of(row.anchor_b);
-  solved.a = row_nodes(a, row.anchor_a.sample);
-  solved.b = row_nodes(b, row.anchor_b.sample);
+  solved.a = {reinterpret_cast<Float4*>(a.corrections), row.anchor_a.sample, a.pulls};
+  solved.b = {reinterpret_cast<Float4*>(b.corrections), row.anchor_b.sample, b.pulls};
   solved.base_m = wide(a.base_m - b.base_m);
 
   const RowResponse response = response_of(row, solved.a, solved.b);
@@ -290,8 +281,7 @@ ContactPairs::ContactPairs(std::span<ContactConstraint* const> constraints, doub
   std::vector<size_t> next(pairs_.size());  // row of each pair
   std::vector<uint32_t> order(pairs_.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](uint32_t i, uint32_t k) { return pairs_[i].colour < pairs_[k].colour; });
+  std::ranges::stable_sort(order, {}, [&](uint32_t i) { return pairs_[i].colour; });
   rows_ = std::make_unique_for_overwrite<SolvedRow[]>(constraints.size());
   size_t begin = 0;
   for (const uint32_t i : order) {
@@ -304,8 +294,7 @@ ContactPairs::ContactPairs(std::span<ContactConstraint* const> constraints, doub
   parallel_for(by_row.size(), kRowsOfThread, [&](size_t first, size_t end) {
     for (size_t i = first; i < end; ++i) prepare(*by_row[i], step_s, rows_[i]);
   });
-  std::stable_sort(pairs_.begin(), pairs_.end(),
-                   [](const RowPair& a, const RowPair& b) { return a.colour < b.colour; });
+  std::ranges::stable_sort(pairs_, {}, &RowPair::colour);
 }
 
 void ContactPairs::visit_unsolved(const std::function<void(RowPair& pair)>& visit) {

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "physics/lattice/node_sample.h"
 
 // Contact between elastic bodies during their steps and other moving bodies. Rows with accumulated impulses
 // are solved together by projected Gauss-Seidel (Erleben 2007, Velocity-based shock propagation, section 2),
@@ -16,6 +15,12 @@
 namespace livegs {
 
 struct RigidProxy;
+
+// A material point as nodes and weights.
+struct NodeSample {
+  uint32_t nodes[8];
+  float weights[8];
+};
 
 // A material point of one side: weighted nodes of an elastic body, or an arm from the centre of mass of a
 // rigid body.
@@ -31,7 +36,7 @@ struct ContactAnchor {
 // and an impulse adds `pulls` times the impulse to the corrections of the nodes.
 struct AnchorNodes {
   float* corrections = nullptr;  // four floats a node: x, y, z, unused; aligned to 16 bytes
-  float pulls[8] = {};           // m/(N s)
+  std::array<float, 8> pulls{};  // m/(N s)
   Eigen::Vector3d base_m = Eigen::Vector3d::Zero();
 };
 
@@ -67,6 +72,12 @@ class ContactParticipant {
 // Maximum separation speed of overlaps that exist at the start of a step, m/s. A larger value resolves deep
 // overlaps faster but ejects the bodies.
 inline constexpr double kContactPushSpeed_m_s = 0.5;
+
+// Maximum gap of a row, in particle edges. Open gaps are included because a neighbouring impulse can close
+// them.
+inline constexpr double kRowMargin = 0.02;
+// Interaction range of a surface element, in particle edges.
+inline constexpr double kElementReach = 1.5;
 
 // `a` receives +impulse, `b` the opposite at the same world point.
 struct ContactConstraint {

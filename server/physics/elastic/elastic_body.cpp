@@ -12,16 +12,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Larger coordinates indicate wrong units. Below this limit every lattice index fits its type.
-constexpr double kMaxCoordinate_m = 1e6;
-// Maximum ratio of body extent to particle edge; bounds the lattice by the size of the input.
-constexpr double kMaxExtentInEdges = 1e6;
+// Larger coordinates, m, and velocities indicate wrong units. Below this limit every lattice index fits its
+// type. Also the maximum ratio of body extent to particle edge, which bounds the lattice by the input's size.
+constexpr double kMaxValue = 1e6;
 
 Error not_physical(const ElasticBodyDescription& description, const std::string& what) {
   return object_error(description.object_id, what);
 }
 
-bool finite(const Vector3d& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate_m; }
+bool finite(const Vector3d& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxValue; }
 
 Result<void> check_particles(const ElasticBodyDescription& d) {
   const ParticleSet& set = d.particles;
@@ -34,7 +33,7 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
   if (!d.particle_velocities_m_s.empty() && d.particle_velocities_m_s.size() != count) {
     return not_physical(d, "particle_velocities_m_s must have one entry per particle");
   }
-  Vector3d low = set.positions_m[0], high = low;
+  Eigen::AlignedBox3d box;
   double volume = 0.0;
   for (size_t i = 0; i < count; ++i) {
     if (!finite(set.positions_m[i]))
@@ -44,8 +43,7 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
                           "a particle volume is " + number_text(set.volumes_m3[i]) + "; it must be above 0");
     }
     volume += set.volumes_m3[i];
-    low = low.cwiseMin(set.positions_m[i]);
-    high = high.cwiseMax(set.positions_m[i]);
+    box.extend(set.positions_m[i]);
   }
   for (const Vector3d& velocity : d.particle_velocities_m_s) {
     if (!finite(velocity))
@@ -55,7 +53,7 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
     return not_physical(d, "spacing_m must be 0 or above");
   const double edge =
       set.spacing_m > 0.0 ? std::min(set.spacing_m, std::cbrt(volume / count)) : std::cbrt(volume / count);
-  if ((high - low).maxCoeff() > kMaxExtentInEdges * edge || std::cbrt(volume) > kMaxCoordinate_m) {
+  if (box.sizes().maxCoeff() > kMaxValue * edge || std::cbrt(volume) > kMaxValue) {
     return not_physical(d, "the extent is over a million times the particle size; check spacing_m");
   }
   return {};
@@ -89,16 +87,8 @@ Result<void> check_motion(const ElasticBodyDescription& d) {
 }  // namespace
 
 const char* name_of(ElasticBand band) {
-  switch (band) {
-    case ElasticBand::Exact:
-      return "exact";
-    case ElasticBand::Band:
-      return "band";
-    case ElasticBand::Clipped:
-      return "clipped";
-    default:
-      return "unknown";
-  }
+  const char* const names[] = {"exact", "band", "clipped", "unknown"};
+  return names[static_cast<size_t>(band)];
 }
 
 Result<void> check_elastic_body(const ElasticBodyDescription& description) {

@@ -3,26 +3,25 @@
 
 namespace livegs {
 
-// Sleep state of an elastic body (rigid bodies: physics/rigid/rigid_sleep.h): it may sleep after kStillTime_s
-// below kStillSpeed_m_s.
+// How long a body must be in a state before it counts: still, stuck or tangled.
+inline constexpr double kLastingTime_s = 0.5;
+
+// Sleep state of an elastic body (rigid bodies: physics/rigid/rigid_sleep.h): it may sleep after being still
+// for kLastingTime_s.
 class SleepTimer {
  public:
   explicit SleepTimer(bool may_sleep) : may_sleep_(may_sleep) {}
 
-  // A body with a node faster than this (world frame) stays awake. Larger: slow motion may stop.
-  static constexpr double kStillSpeed_m_s = 0.02;
-  static constexpr double kStillTime_s = 0.5;
-
   // Call once per tick. Returns true if the body falls asleep now. Unsupported bodies and bodies under a
   // force are not still. A deferred body only becomes able to sleep.
-  bool tick(double frame_s, double fastest_m_s, bool supported, bool forced) {
+  bool tick(double frame_s, bool still) {
     if (!may_sleep_ || asleep_) return false;
-    still_s_ = fastest_m_s < kStillSpeed_m_s && supported && !forced ? still_s_ + frame_s : 0.0;
+    still_s_ = still ? still_s_ + frame_s : 0.0;
     asleep_ = can_sleep() && !deferred_;
     return asleep_;
   }
   void defer(bool deferred) { deferred_ = deferred; }
-  bool can_sleep() const { return asleep_ || (may_sleep_ && still_s_ >= kStillTime_s - 1e-9); }
+  bool can_sleep() const { return asleep_ || (may_sleep_ && still_s_ >= kLastingTime_s - 1e-9); }
   void sleep() { asleep_ = true; }
   void wake() {
     asleep_ = false;

@@ -26,7 +26,6 @@ struct FlatNode {
 
 // Fixed as long as FlatBody::flat_revision.
 struct FlatLattice {
-  static constexpr size_t kConstants = 24, kGains = 36;
   struct Cell {
     uint32_t nodes[8];
     uint32_t colour;     // ascending; cells of one colour share no node
@@ -43,11 +42,13 @@ struct FlatLattice {
   };
   size_t node_count = 0;
   std::vector<Cell> cells;
-  // Centroid (3), mobility G (6: 11, 22, 33, 23, 13, 12), mode coupling (4 x 3).
-  std::vector<std::array<float, kConstants>> constants;
-  // H (21, upper triangle by rows, Mandel), volume compliance, mode gains (4 x 3): of the body's own steps of
-  // first and second order, then of its impact steps (empty: it has none).
-  std::array<std::vector<std::array<float, kGains>>, 4> gains;
+  // Centroid (3), mobility G (6: 11, 22, 33, 23, 13, 12), mode coupling (4 x 3), unused.
+  using Constants = std::array<float, 24>;
+  std::vector<Constants> constants;
+  // H (21, upper triangle by rows, Mandel), volume compliance, mode gains (4 x 3), unused: of the body's own
+  // steps of first and second order, then of its impact steps (empty: it has none).
+  using Gains = std::array<float, 36>;
+  std::array<std::vector<Gains>, 4> gains;
   std::vector<SurfaceCell> surface_cells;
   std::vector<SurfacePoint> surface_points;
 };
@@ -71,8 +72,14 @@ struct FlatTick {
   std::span<const PointForce> forces;  // constant over the tick
 };
 
+// What a step takes over from the last one.
+struct StepMemory {
+  bool first = true, strained = false, touching = false, backward = false;
+  double deviation_m_s = 0;  // root mean square velocity relative to the rigid motion
+};
+
 // State of a body at the start of a tick and, after its steps, at the end.
-struct FlatState {
+struct FlatState : StepMemory {
   int steps = 0;
   double step_s = 0.0;
   bool impact = false;  // the steps are impact steps
@@ -85,8 +92,8 @@ struct FlatState {
 
   std::vector<FlatNode> now, before;  // the current and the previous state
   std::vector<FlatVector> rotations;  // by cell: x, y, z, w
-  bool first = true, uneven = false, strained = false, touching = false, backward = false;
-  double deviation_m_s = 0, pressed_n = 0, carried_n = 0;
+  bool uneven = false;
+  double pressed_n = 0, carried_n = 0;
   MomentumLedger ledger;
 
   // Of the steps.

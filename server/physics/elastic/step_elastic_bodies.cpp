@@ -20,8 +20,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
   for (const SteppedBody& stepped : bodies) {
     moving.insert(moving.end(), stepped.context.bodies.begin(), stepped.context.bodies.end());
   }
-  std::sort(moving.begin(), moving.end(),
-            [](const RigidProxy* a, const RigidProxy* b) { return a->body_id < b->body_id; });
+  std::ranges::sort(moving, {}, &RigidProxy::body_id);
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
 
   const double substep_s = bodies.front().context.duration_s;

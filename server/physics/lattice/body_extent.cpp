@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "geometry/field/inside_grid.h"
+#include "physics/lattice/build_lattice.h"
 #include "physics/lattice/cut_boxes.h"
-#include "physics/lattice/lattice.h"
 
 namespace livegs {
 namespace {
@@ -50,12 +50,7 @@ Matrix3d principal_axes(const ParticleSet& particles) {
     covariance += particles.volumes_m3[i] * r * r.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
-  Matrix3d axes = solver.eigenvectors();
-  for (int d = 0; d < 3; ++d) {  // the sign of an eigenvector is arbitrary: make its largest entry positive
-    Eigen::Index largest;
-    axes.col(d).cwiseAbs().maxCoeff(&largest);
-    if (axes(largest, d) < 0.0) axes.col(d) = -axes.col(d);
-  }
+  Matrix3d axes = with_positive_entries(solver.eigenvectors());
   if (axes.determinant() < 0.0) axes.col(2) = -axes.col(2);
   return axes;
 }
@@ -95,18 +90,18 @@ bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& la
 // sampling. A voxel near its full volume is set to full, and the other voxels absorb the difference. Returns
 // false, without changes, unless nearly all voxels are full.
 bool end_at_faces(const AlignedBox3d& surface, double volume, BodyExtent& extent) {
-  constexpr double kEdgeTolerance = 0.25, kRounding = 1e-6, kMinFullShare = 0.8, kFilled = 0.999;
+  constexpr double kEdgeTolerance = 0.25, kMinFullShare = 0.8;
   // A body that fills its bounding box has no partial voxels.
-  const bool filled = volume >= kFilled * surface.volume();
+  const bool filled = volume >= 0.999 * surface.volume();
   std::vector<MassBox> boxes = extent.boxes;
   std::vector<char> full;
   double full_m3 = 0.0, partial_m3 = 0.0;
   for (MassBox& box : boxes) {
     Vector3d low = box.centre_m - box.half_m, high = box.centre_m + box.half_m;
-    const double edge = 2.0 * box.half_m.x();
+    const double rounding_m = 1e-6 * (2.0 * box.half_m.x());
     for (int d = 0; d < 3; ++d) {
-      if (low[d] < extent.min_m[d] + kRounding * edge) low[d] = surface.min()[d];
-      if (high[d] > extent.max_m[d] - kRounding * edge) high[d] = surface.max()[d];
+      if (low[d] < extent.min_m[d] + rounding_m) low[d] = surface.min()[d];
+      if (high[d] > extent.max_m[d] - rounding_m) high[d] = surface.max()[d];
       low[d] = std::clamp(low[d], surface.min()[d], box.centre_m[d]);
       high[d] = std::clamp(high[d], box.centre_m[d], surface.max()[d]);
     }
@@ -169,6 +164,15 @@ bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& latti
 }
 
 }  // namespace
+
+Matrix3d with_positive_entries(Matrix3d axes) {
+  for (int d = 0; d < 3; ++d) {
+    Eigen::Index largest;
+    axes.col(d).cwiseAbs().maxCoeff(&largest);
+    if (axes(largest, d) < 0.0) axes.col(d) = -axes.col(d);
+  }
+  return axes;
+}
 
 BodyExtent measure_extent(const ParticleSet& particles) {
   BodyExtent extent;

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/lattice/build_lattice.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 
-#include "physics/lattice/box_links.h"
 #include "physics/lattice/cut_boxes.h"
-#include "physics/lattice/lattice.h"
-#include "physics/lattice/lattice_order.h"
-#include "physics/lattice/thin_shape.h"
-#include "physics/lattice/virtual_nodes.h"
 #include "skin/kernels/cell_fill.h"
 
 namespace livegs {
@@ -17,13 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3i;
-
-// Minimum node mass relative to an inner node.
-constexpr double kMinNodeMass = 1e-6;
-// Material below this fraction of a cell is treated as rounding.
-constexpr double kMinMaterialPart = 1e-9;
-// A cell is fixed if all but this fraction of it is.
-constexpr double kMinFreePart = 1e-3;
 
 struct MaterialMoments {
   double volume = 0.0;
@@ -90,11 +80,11 @@ LatticeCell make_cell(const Moments& moments) {
   cell.centroid = moments.first / moments.volume;
   // The variance of a local coordinate over a full cell is 1/3.
   cell.spread = 3.0 * (moments.second / moments.volume - cell.centroid.cwiseAbs2()).cwiseMax(0.0);
-  cell.fixed = moments.fixed_volume > (1.0 - kMinFreePart) * moments.volume;
+  cell.fixed = moments.fixed_volume > (1.0 - kMinSlice) * moments.volume;
   double parts = 0.0;
   for (const auto& [material, of_material] : moments.materials) {
     const double part = of_material.volume / moments.volume;
-    if (part < kMinMaterialPart) continue;
+    if (part < 1e-9) continue;  // rounding
     cell.materials.push_back({material, part});
     parts += part;
   }
@@ -111,8 +101,7 @@ void fill_inner_cells(Lattice& lattice) {
   const std::vector<uint8_t> cells_around = cells_around_nodes(lattice);
   const double full_m3 = std::pow(lattice.cell_width_m, 3);
   for (LatticeCell& cell : lattice.cells) {
-    const bool inner =
-        std::all_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t n) { return cells_around[n] == 8; });
+    const bool inner = std::ranges::all_of(cell.nodes, [&](uint32_t n) { return cells_around[n] == 8; });
     if (!inner || std::abs(cell.volume_m3 - full_m3) > kFullTolerance * full_m3) continue;
     cell.volume_m3 = full_m3;
     cell.centroid.setZero();
@@ -123,7 +112,7 @@ void fill_inner_cells(Lattice& lattice) {
 // Raises the smallest node volumes so that every node can be moved; the total stays the body's volume.
 void set_node_volumes(Lattice& lattice) {
   const size_t count = lattice.node_coordinates.size();
-  const double floor_m3 = kMinNodeMass * std::pow(lattice.cell_width_m, 3);
+  const double floor_m3 = 1e-6 * std::pow(lattice.cell_width_m, 3);  // of an inner node
   std::vector<double> volumes(count, 0.0);
   for (const auto& of_material : lattice.material_node_volumes_m3) {
     for (size_t i = 0; i < count; ++i) volumes[i] += of_material[i];
@@ -215,9 +204,8 @@ Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<c
   }
   lattice.cells_by_place.resize(lattice.cells.size());
   std::iota(lattice.cells_by_place.begin(), lattice.cells_by_place.end(), 0u);
-  std::stable_sort(lattice.cells_by_place.begin(), lattice.cells_by_place.end(), [&](uint32_t a, uint32_t b) {
-    return lattice_key(lattice.cells[a].coordinates) < lattice_key(lattice.cells[b].coordinates);
-  });
+  std::ranges::stable_sort(lattice.cells_by_place, {},
+                           [&](uint32_t i) { return lattice_key(lattice.cells[i].coordinates); });
   set_node_volumes(lattice);
   return lattice;
 }

@@ -12,10 +12,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Cuts closer than this fraction of a cell are merged.
-constexpr double kSameCut = 1e-9;
-constexpr int kPartsOfStraddling = 4;
-
 // Part of an interval within one cell and between two cuts: fraction of its length, mean and mean square of
 // the local coordinate.
 struct Slice {
@@ -37,14 +33,14 @@ void cut_interval(double low, double high, std::span<const double> cuts, std::ve
   ends.clear();
   for (double plane = std::floor(low) + 1.0; plane < high; plane += 1.0) ends.push_back(plane);
   const size_t planes = ends.size();
-  const auto apart = [](double a, double b) { return std::abs(a - b) > kSameCut; };
+  const auto apart = [](double a, double b) { return std::abs(a - b) > 1e-9; };  // or merged
   for (const double cut : cuts) {
     if (cut <= low || cut >= high || !apart(cut, low) || !apart(cut, high)) continue;
     bool new_cut = true;
     for (const double end : ends) new_cut = new_cut && apart(cut, end);
     if (new_cut) ends.push_back(cut);
   }
-  if (ends.size() > planes) std::sort(ends.begin(), ends.end());
+  if (ends.size() > planes) std::ranges::sort(ends);
   ends.push_back(high);
 
   slices.clear();
@@ -62,17 +58,10 @@ bool matters(const BodyRegion& region) { return !region.boundary && (region.fixe
 
 // Whether a face of the region intersects the box.
 bool straddles(const BodyExtent& extent, const MassBox& box, const BodyRegion& region) {
-  Vector3d low = Vector3d::Constant(1e300), high = Vector3d::Constant(-1e300);
-  for (int c = 0; c < 8; ++c) {
-    const Vector3d sign(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
-    const Vector3d corner = extent.object_from_lattice * (box.centre_m + sign.cwiseProduct(box.half_m));
-    low = low.cwiseMin(corner);
-    high = high.cwiseMax(corner);
-  }
-  const bool inside =
-      (low.array() >= region.min_m.array()).all() && (high.array() <= region.max_m.array()).all();
-  const bool outside =
-      (low.array() >= region.max_m.array()).any() || (high.array() <= region.min_m.array()).any();
+  const Eigen::AlignedBox3d bounds = in_object_axes(extent, box);
+  const auto low = bounds.min().array(), high = bounds.max().array();
+  const bool inside = (low >= region.min_m.array()).all() && (high <= region.max_m.array()).all();
+  const bool outside = (low >= region.max_m.array()).any() || (high <= region.min_m.array()).any();
   return !inside && !outside;
 }
 
@@ -82,6 +71,13 @@ size_t material_count(std::span<const BodyRegion> regions) {
   size_t count = 1;
   for (const BodyRegion& region : regions) count += region.material.has_value();
   return count;
+}
+
+Eigen::AlignedBox3d in_object_axes(const BodyExtent& extent, const MassBox& box) {
+  Eigen::AlignedBox3d bounds;
+  for (int c = 0; c < 8; ++c)
+    bounds.extend(extent.object_from_lattice * (box.centre_m + corner_sign(c).cwiseProduct(box.half_m)));
+  return bounds;
 }
 
 bool along_object_axes(const BodyExtent& extent) {
@@ -116,22 +112,19 @@ void cut_boxes(const BodyExtent& extent, const Vector3d& origin_m, double cell_w
       const double centre = (box.centre_m[d] - origin_m[d]) / cell_width_m,
                    half = box.half_m[d] / cell_width_m;
       cuts[d].clear();
-      for (int k = 1; straddling && k < kPartsOfStraddling; ++k) {
-        cuts[d].push_back(centre + half * (2.0 * k / kPartsOfStraddling - 1.0));
+      for (int quarter = 1; straddling && quarter < 4; ++quarter) {
+        cuts[d].push_back(centre + half * (0.5 * quarter - 1.0));
       }
       cut_interval(centre - half, centre + half, aligned ? faces[d] : cuts[d], ends, slices[d]);
     }
     for (const Slice& z : slices[2]) {
       for (const Slice& y : slices[1]) {
         for (const Slice& x : slices[0]) {
-          BoxPiece piece;
-          piece.box = i;
-          piece.cell = {x.cell, y.cell, z.cell};
-          piece.volume_m3 = box.volume_m3 * x.part * y.part * z.part;
-          piece.mean = {x.mean, y.mean, z.mean};
-          piece.mean_square = {x.mean_square, y.mean_square, z.mean_square};
-          piece.material = 0;
-          piece.fixed = false;
+          BoxPiece piece{i,
+                         {x.cell, y.cell, z.cell},
+                         box.volume_m3 * x.part * y.part * z.part,
+                         {x.mean, y.mean, z.mean},
+                         {x.mean_square, y.mean_square, z.mean_square}};
           const Vector3d centre_m =
               extent.object_from_lattice *
               (origin_m + cell_width_m * (piece.cell.cast<double>() + 0.5 * (piece.mean + Vector3d::Ones())));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <functional>
 #include <span>
 
@@ -23,8 +24,8 @@ struct BoxPiece {
   Eigen::Vector3i cell;  // lattice planes are at integers, relative to the given origin
   double volume_m3;
   Eigen::Vector3d mean, mean_square;  // of the local coordinates, -1 ... 1
-  uint16_t material;                  // 0: the body's own; k: of the k-th region that has a material
-  bool fixed;                         // in a fixed region
+  uint16_t material = 0;              // 0: the body's own; k: of the k-th region that has a material
+  bool fixed = false;                 // in a fixed region
 };
 
 // One for the body, plus one per region that has a material.
@@ -32,6 +33,7 @@ size_t material_count(std::span<const BodyRegion> regions);
 
 // Whether the lattice axes are the object's axes, so that region faces are planes of constant coordinate.
 bool along_object_axes(const BodyExtent& extent);
+Eigen::AlignedBox3d in_object_axes(const BodyExtent& extent, const MassBox& box);  // bounds of the corners
 
 // Calls `take` for every piece, box by box. If the lattice is along the object's axes, regions cut boxes
 // exactly at their faces. Otherwise a box that straddles a face is divided into quarters along each edge, and

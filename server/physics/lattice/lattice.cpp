@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/disjoint_sets.h"
-#include "physics/lattice/lattice_order.h"
 #include "skin/kernels/cell_fill.h"
 
 namespace livegs {
@@ -31,8 +30,7 @@ std::array<double, 8> trilinear_weights(const Vector3d& local) {
 std::array<Vector3d, 8> trilinear_gradients(const Vector3d& local, double cell_width_m) {
   std::array<Vector3d, 8> gradients;
   for (int c = 0; c < 8; ++c) {
-    const Vector3d sign(c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0);
-    const Vector3d f = Vector3d::Ones() + sign.cwiseProduct(local);
+    const Vector3d sign = corner_sign(c), f = Vector3d::Ones() + sign.cwiseProduct(local);
     gradients[c] = Vector3d(sign.x() * f.y() * f.z(), sign.y() * f.z() * f.x(), sign.z() * f.x() * f.y()) /
                    (4.0 * cell_width_m);
   }
@@ -70,10 +68,8 @@ EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {
     nearest.cell = i;
   };
   const auto consider_at = [&](const Vector3i& coordinates) {
-    auto found = std::lower_bound(cells_by_place.begin(), cells_by_place.end(), coordinates,
-                                  [&](uint32_t i, const Vector3i& sought) {
-                                    return lattice_key(cells[i].coordinates) < lattice_key(sought);
-                                  });
+    auto found = std::ranges::lower_bound(cells_by_place, lattice_key(coordinates), {},
+                                          [&](uint32_t i) { return lattice_key(cells[i].coordinates); });
     for (; found != cells_by_place.end() && cells[*found].coordinates == coordinates; ++found)
       consider(*found);
   };

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/pose.h"
@@ -38,6 +39,9 @@ struct ThinShape {
   Eigen::Vector3d variance_m2;
 };
 
+// Order of cells and nodes.
+inline std::tuple<int, int, int> lattice_key(const Eigen::Vector3i& c) { return {c.z(), c.y(), c.x()}; }
+
 struct LatticeCell {
   Eigen::Vector3i coordinates;
   std::array<uint32_t, 8> nodes{};
@@ -55,6 +59,10 @@ struct EmbeddedPoint {
   uint32_t cell = 0;
   Eigen::Vector3d local = Eigen::Vector3d::Zero();
 };
+// Local coordinates of a corner.
+inline Eigen::Vector3d corner_sign(int c) {
+  return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0};
+}
 std::array<double, 8> trilinear_weights(const Eigen::Vector3d& local);
 // Gradients of the weights with respect to the lattice position, 1/m.
 std::array<Eigen::Vector3d, 8> trilinear_gradients(const Eigen::Vector3d& local, double cell_width_m);
@@ -97,7 +105,7 @@ struct Lattice {
   std::array<uint32_t, kLatticeColours + 1> colour_begin{};
   std::vector<uint32_t> cells_by_place;  // all cells by z, y, x
   // Whether several cells or nodes are at one place, for parts of the body that are close but not connected
-  // (virtual_nodes.h).
+  // (build_lattice.h).
   bool has_virtual_cells = false;
 
   Eigen::Vector3d node_position_m(size_t node) const;  // object frame, at rest

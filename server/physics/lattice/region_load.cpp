@@ -14,8 +14,8 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-// For meshes: columns across a face along each edge, and depth samples per column.
-constexpr int kColumns = 48, kDepthSamples = 16;
+// For meshes: columns across a face along each edge. Each has a third as many samples along its depth.
+constexpr int kColumns = 48;
 
 struct BoxFace {
   Vector3d min_m, max_m;  // of the region, clipped to the body's bounds
@@ -47,7 +47,7 @@ std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& la
   if ((size_m.array() <= 0.0).any()) return {};
   RegularGrid grid;
   grid.counts.setConstant(kColumns);
-  grid.counts[face.across] = kDepthSamples;
+  grid.counts[face.across] = kColumns / 3;
   grid.origin_m = Vector3d::Constant(0.5);
   const Vector3d edge_m = size_m.cwiseQuotient(grid.counts.cast<double>());
   TriangleMesh mesh;
@@ -69,14 +69,14 @@ std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& la
       at[u] = i;
       at[v] = j;
       int deep = 0;
-      for (at[a] = 0; at[a] < kDepthSamples; ++at[a]) deep += inside[grid.index(at.x(), at.y(), at.z())];
+      for (at[a] = 0; at[a] < grid.counts[a]; ++at[a]) deep += inside[grid.index(at.x(), at.y(), at.z())];
       if (deep == 0) continue;
       Vector3d point_m = face.min_m + edge_m.cwiseProduct(at.cast<double>() + grid.origin_m);
       point_m[a] = face.at_m;
       const EmbeddedPoint point = lattice.embed(point_m);
       const int part = (point.local.x() > 0.0) + 2 * (point.local.y() > 0.0) + 4 * (point.local.z() > 0.0);
       Quarter& quarter = quarters[{point.cell, part}];
-      const double area_m2 = edge_m[u] * edge_m[v] * deep / kDepthSamples;
+      const double area_m2 = edge_m[u] * edge_m[v] * deep / grid.counts[a];
       quarter.area_m2 += area_m2;
       quarter.local += area_m2 * point.local;
     }
@@ -91,12 +91,7 @@ std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& la
 AlignedBox3d bounds_in_object_axes(const BodyExtent& extent) {
   if (along_object_axes(extent)) return {extent.min_m, extent.max_m};
   AlignedBox3d bounds;
-  for (const MassBox& box : extent.boxes) {
-    for (int c = 0; c < 8; ++c) {
-      const Vector3d sign(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
-      bounds.extend(extent.object_from_lattice * (box.centre_m + sign.cwiseProduct(box.half_m)));
-    }
-  }
+  for (const MassBox& box : extent.boxes) bounds.extend(in_object_axes(extent, box));
   return bounds;
 }
 

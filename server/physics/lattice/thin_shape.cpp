@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "physics/lattice/thin_shape.h"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "physics/lattice/build_lattice.h"
 
 namespace livegs {
 namespace {
@@ -13,19 +13,12 @@ using Eigen::Vector3d;
 
 // Maximum thickness of a thin sheet, in cell widths.
 constexpr double kMaxThinRatio = 0.5;
-// A fuller cell holds no thin sheet in any orientation: sqrt(2) times the above, rounded up.
-constexpr double kMaxThinFill = 0.75;
-// Area of a flat shape over the root of the product of its two variances: 12 for a rectangle, 4 pi for an
-// ellipse.
-constexpr double kAreaOverVariance = 12.3;
-// Lower bound of the variance in squared cell widths; avoids division by zero.
-constexpr double kMinVariance = 1e-8;
 
 // Boxes linked to box i are to[begin[i]] ... to[begin[i + 1] - 1].
 struct Neighbours {
   std::vector<uint32_t> begin, to;
 
-  Neighbours(size_t count, std::span<const std::pair<uint32_t, uint32_t>> links) : begin(count + 1, 0) {
+  Neighbours(size_t count, const BoxLinks& links) : begin(count + 1, 0) {
     for (const auto& [i, j] : links) {
       ++begin[i + 1];
       ++begin[j + 1];
@@ -67,30 +60,28 @@ std::optional<ThinShape> thin_shape(const ShapeMoments& moments, double cell_wid
   const Matrix3d covariance = moments.second / moments.volume - mean * mean.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
   ThinShape shape;
-  shape.variance_m2 = solver.eigenvalues().cwiseMax(kMinVariance * cell_width_m * cell_width_m);
-  const double area_m2 = kAreaOverVariance * std::sqrt(shape.variance_m2[1] * shape.variance_m2[2]);
+  // The lower bound avoids division by zero.
+  shape.variance_m2 = solver.eigenvalues().cwiseMax(1e-8 * cell_width_m * cell_width_m);
+  // The factor is 12 for a rectangle, 4 pi for an ellipse.
+  const double area_m2 = 12.3 * std::sqrt(shape.variance_m2[1] * shape.variance_m2[2]);
   const double thickness_m = moments.volume / area_m2;
   if (thickness_m >= kMaxThinRatio * cell_width_m) return std::nullopt;
   shape.variance_m2[0] = std::min(thickness_m * thickness_m / 12.0, shape.variance_m2[1]);
-  shape.axes = solver.eigenvectors();
-  for (int k = 0; k < 3; ++k) {  // the sign of an eigenvector is arbitrary: make its largest entry positive
-    Eigen::Index largest;
-    shape.axes.col(k).cwiseAbs().maxCoeff(&largest);
-    if (shape.axes(largest, k) < 0.0) shape.axes.col(k) = -shape.axes.col(k);
-  }
+  shape.axes = with_positive_entries(solver.eigenvectors());
   return shape;
 }
 
 }  // namespace
 
-void find_thin_shapes(const BodyExtent& extent, std::span<const std::pair<uint32_t, uint32_t>> links,
-                      std::span<const BoxInCell> entries, std::span<const uint32_t> cell_of_entry,
-                      const Vector3d& origin_m, Lattice& lattice) {
+void find_thin_shapes(const BodyExtent& extent, const BoxLinks& links, std::span<const BoxInCell> entries,
+                      std::span<const uint32_t> cell_of_entry, const Vector3d& origin_m, Lattice& lattice) {
   const double width = lattice.cell_width_m, full_m3 = width * width * width;
   std::vector<std::vector<uint32_t>> boxes(lattice.cells.size());  // of each cell that may be thin
+  // A fuller cell holds no thin sheet in any orientation: sqrt(2) times the ratio, rounded up.
+  const double thin_m3 = 1.5 * kMaxThinRatio * full_m3;
   for (size_t e = 0; e < entries.size(); ++e) {
     const uint32_t cell = cell_of_entry[e];
-    if (lattice.cells[cell].volume_m3 < kMaxThinFill * full_m3) boxes[cell].push_back(entries[e].box);
+    if (lattice.cells[cell].volume_m3 < thin_m3) boxes[cell].push_back(entries[e].box);
   }
   const Neighbours neighbours(extent.boxes.size(), links);
   std::vector<uint32_t> seen_by(extent.boxes.size(), UINT32_MAX);

@@ -17,28 +17,25 @@ struct BreakPoint {
 };
 constexpr std::array<BreakPoint, 5> kTable{{{0.0, 0.0}, {1e5, 0.1}, {1e6, 0.5}, {5e7, 0.8}, {2e8, 1.0}}};
 
-// Linear interpolation that is exact at both ends, so that break points survive a round trip.
-double between(double x, double x0, double x1, double y0, double y1) {
-  const double t = (x - x0) / (x1 - x0);
-  return t >= 1.0 ? y1 : y0 + t * (y1 - y0);
+// `to` at `from` = x in the table, clamped to it. Exact at both ends of a part, so that break points survive
+// a round trip.
+double interpolate(double BreakPoint::*from, double BreakPoint::*to, double x) {
+  x = std::clamp(x, 0.0, kTable.back().*from);
+  size_t upper = 1;
+  while (upper + 1 < kTable.size() && x > kTable[upper].*from) ++upper;
+  const BreakPoint &a = kTable[upper - 1], &b = kTable[upper];
+  const double t = (x - a.*from) / (b.*from - a.*from);
+  return t >= 1.0 ? b.*to : a.*to + t * (b.*to - a.*to);
 }
 
 }  // namespace
 
 double deformation_resistance(double effective_youngs_modulus_pa) {
-  const double stiffness = std::clamp(effective_youngs_modulus_pa, 0.0, kTable.back().stiffness_pa);
-  size_t upper = 1;
-  while (upper + 1 < kTable.size() && stiffness > kTable[upper].stiffness_pa) ++upper;
-  const BreakPoint &a = kTable[upper - 1], &b = kTable[upper];
-  return between(stiffness, a.stiffness_pa, b.stiffness_pa, a.resistance, b.resistance);
+  return interpolate(&BreakPoint::stiffness_pa, &BreakPoint::resistance, effective_youngs_modulus_pa);
 }
 
 double effective_youngs_modulus_pa(double deformation_resistance) {
-  const double resistance = std::clamp(deformation_resistance, 0.0, 1.0);
-  size_t upper = 1;
-  while (upper + 1 < kTable.size() && resistance > kTable[upper].resistance) ++upper;
-  const BreakPoint &a = kTable[upper - 1], &b = kTable[upper];
-  return between(resistance, a.resistance, b.resistance, a.stiffness_pa, b.stiffness_pa);
+  return interpolate(&BreakPoint::resistance, &BreakPoint::stiffness_pa, deformation_resistance);
 }
 
 double resistance_stiffness_per_s2(double deformation_resistance) {

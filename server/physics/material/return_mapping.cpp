@@ -15,13 +15,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using EigenSolver = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
-// Cells below this volume ratio are degenerate and do not flow; shape recovery restores them first.
-constexpr double kMinVolumeRatio = 0.1;
-// Cells with a larger norm of F D⁻¹ are degenerate too.
-constexpr double kMaxStretch = 100.0;
-// Relative excess over the yield radius that is treated as rounding.
-constexpr double kStressRounding = 1e-13;
-
 Matrix3d stretch_of(const Matrix3d& f) {
   const EigenSolver solver(f.transpose() * f);
   const Vector3d stretches = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
@@ -86,13 +79,15 @@ YieldSurface yield_surface(double plasticity, double poisson_ratio) {
 PlasticFlow flow_plastically(const YieldSurface& surface, const Matrix3d& elastic_deformation,
                              const Matrix3d& plastic_part) {
   const PlasticFlow none{plastic_part, 0.0, false};
-  if (!(surface.limit > 0.0) || !(elastic_deformation.norm() < kMaxStretch)) return none;
+  // Degenerate cells do not flow; shape recovery restores them first.
+  if (!(surface.limit > 0.0) || !(elastic_deformation.norm() < 100.0)) return none;
   if (!(elastic_deformation.determinant() > kMinVolumeRatio)) return none;
 
   const Matrix3d stretch = stretch_of(elastic_deformation * plastic_part);
   const Matrix3d strain = deviator(stretch - plastic_part);
   const double size = strain.norm();
-  if (!(size > surface.radius * (1.0 + kStressRounding) && size > kStressRounding)) return none;
+  const double rounding = 1e-13;
+  if (!(size > surface.radius * (1.0 + rounding) && size > rounding)) return none;
 
   const Matrix3d flowed = with_unit_volume(deviator(plastic_part) + (1.0 - surface.radius / size) * strain);
   const Matrix3d limited = within_limit(flowed, surface.limit);

@@ -8,28 +8,27 @@
 // The cell's deformation F (world from rest) has the stretch U = sqrt(Fᵀ F). The plastic part D in the rest
 // frame is symmetric, positive definite, and has det D = 1. D is the goal of shape matching: the elastic
 // energy is mu |U - D|² + lambda/2 (det F - 1)². LIVE-GS's plasticity p sets two limits: the cell yields at a
-// strain of 1 - p, and |D - I| <= p (Frobenius). Unlike the paper's rule (livegs_v1_plasticity.h), the result
+// strain of 1 - p, and |D - I| <= p (Frobenius). Unlike the paper's rule (livegs_v1_body.h), the result
 // is independent of rate and step size, volume is preserved, and degenerate cells do not flow.
 //
 //   strain  e = dev(U - D), dev the part without trace
 //   yield   |e| <= r
 //   flow    D' = D + (1 - r/|e|) e + beta I, beta from det D' = 1; beta I leaves e unchanged, so |e'| = r
 //
-// The plastic strain is subtracted, not divided. A bar pulled to a strain therefore sets at that strain minus
-// its yield strain, measured as lengths, and its load stays at the yield load however the flow is distributed
-// along it. With the energy of F D⁻¹ the load would drop with the cross-section and the bar would neck, by an
-// amount that depends on the rate.
+// The plastic strain is subtracted, not divided: with the energy of F D⁻¹ the load of a bar that flows would
+// drop with its cross-section, and the bar would neck, by an amount that depends on the rate.
 //
 // With T = 2 mu (U - D), the stress of the shear energy in the frame of F's rotation is T + A, where A is
-// antisymmetric and A U + U A = U T - T U. A is zero if U and D share their axes. A solver must include A:
-// without it, cells that flowed in different directions exert a spurious torque and add energy.
+// antisymmetric and A U + U A = U T - T U (add_turning_force in cell_kernels.cpp).
 //
-// The yield criterion ignores volumetric strain. Flow preserves volume and could not reduce that part, and a
-// cell under uniform pressure would lose its shape. r is defined by simple tension: a bar with the material's
-// Poisson ratio starts to flow at the axial strain 1 - p, exactly, also at large yield strains. (The paper's
-// bodies have nu = 0, where this is |S - I| = 1 - p.)
+// The yield criterion ignores volumetric strain, which flow could not reduce. r is defined by simple tension:
+// a bar with the material's Poisson ratio starts to flow at the axial strain 1 - p, exactly, also at large
+// yield strains.
 
 namespace livegs {
+
+// Volume ratio below which a cell or body is degenerate: flattened, wound or inverted.
+inline constexpr double kMinVolumeRatio = 0.1;
 
 struct YieldSurface {
   double radius = 0.0;  // r, unitless

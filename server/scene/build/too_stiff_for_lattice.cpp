@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "physics/elastic/resolution/resolution_request.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
 
 namespace livegs {
 

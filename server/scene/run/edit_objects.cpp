@@ -11,7 +11,6 @@
 
 #include "core/log.h"
 #include "livegs/v1/recording.pb.h"
-#include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/build/add_joints.h"
 #include "scene/build/build_cache.h"
 #include "scene/build/build_object.h"

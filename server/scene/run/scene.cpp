@@ -10,7 +10,6 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "geometry/surface/shape_mesh.h"
-#include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/build/add_joints.h"
 #include "scene/build/build_cache.h"
 #include "scene/build/build_object.h"

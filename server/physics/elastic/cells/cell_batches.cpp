@@ -10,8 +10,6 @@
 namespace livegs {
 namespace {
 
-constexpr double kSame = 1e-6;  // relative tolerance for equal masses, centroids and spreads
-
 std::array<double, 8> of_corners(const LatticeCell& cell, std::span<const double> values) {
   std::array<double, 8> corners;
   for (int c = 0; c < 8; ++c) corners[c] = values[cell.nodes[c]];
@@ -25,17 +23,18 @@ float significant(double value, double scale) {
 }
 
 bool movable(const std::array<double, 8>& inverse_masses) {
-  return std::any_of(inverse_masses.begin(), inverse_masses.end(), [](double w) { return w > 0.0; });
+  return std::ranges::any_of(inverse_masses, [](double w) { return w > 0.0; });
 }
 
 // Whether the cell is full, of the body's own material only, and between nodes of equal mass.
 bool full(const LatticeCell& cell, const std::array<double, 8>& inverse_masses, double full_inverse_mass) {
   if (cell.materials.size() > 1 || (cell.materials.size() == 1 && cell.materials[0].material != 0))
     return false;
-  if (cell.centroid.cwiseAbs().maxCoeff() > kSame || (cell.spread.array() - 1.0).abs().maxCoeff() > kSame)
+  const double same = 1e-6;  // relative, for equal masses, centroids and spreads
+  if (cell.centroid.cwiseAbs().maxCoeff() > same || (cell.spread.array() - 1.0).abs().maxCoeff() > same)
     return false;
-  return std::all_of(inverse_masses.begin(), inverse_masses.end(),
-                     [&](double w) { return std::abs(w - full_inverse_mass) <= kSame * full_inverse_mass; });
+  return std::ranges::all_of(
+      inverse_masses, [&](double w) { return std::abs(w - full_inverse_mass) <= same * full_inverse_mass; });
 }
 
 // Eight lanes on the spare nodes: cells at rest without mass or stiffness.
@@ -118,15 +117,15 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
                               bool may_be_full, bool may_be_thin) {
   CellBatches result;
   result.places.resize(lattice.cells.size());
-  result.paired = std::all_of(lattice.cells.begin(), lattice.cells.end(), [](const LatticeCell& cell) {
+  result.paired = std::ranges::all_of(lattice.cells, [](const LatticeCell& cell) {
     for (int c = 0; c < 8; c += 2) {
       if (cell.nodes[c + 1] != cell.nodes[c] + 1) return false;
     }
     return true;
   });
-  result.full_inverse_mass = heaviest_inverse_mass(inverse_masses);
-  static_assert(kCellColours == kLatticeColours);
-  for (int colour = 0; colour < kCellColours; ++colour) {
+  const double full_inverse_mass = heaviest_inverse_mass(inverse_masses);
+  static_assert(std::size(CellColours{}.full_begin) == kLatticeColours + 1);
+  for (int colour = 0; colour < kLatticeColours; ++colour) {
     result.colours.full_begin[colour] = result.full.size();
     result.colours.cut_begin[colour] = result.cut.size();
     result.colours.thin_begin[colour] = result.thin.size();
@@ -146,7 +145,7 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
         eight.fold[at.lane] = static_cast<float>(thin_cell_fold(cell, lattice.cell_width_m));
         continue;
       }
-      if (may_be_full && full(cell, inverse, result.full_inverse_mass)) {
+      if (may_be_full && full(cell, inverse, full_inverse_mass)) {
         result.places[i] = place(result.full, result.colours.full_begin[colour], full_used, spare_nodes,
                                  CellPlace::Kind::Full, cell, rotations[i]);
         continue;
@@ -168,24 +167,10 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
       }
     }
   }
-  result.colours.full_begin[kCellColours] = result.full.size();
-  result.colours.cut_begin[kCellColours] = result.cut.size();
-  result.colours.thin_begin[kCellColours] = result.thin.size();
+  result.colours.full_begin[kLatticeColours] = result.full.size();
+  result.colours.cut_begin[kLatticeColours] = result.cut.size();
+  result.colours.thin_begin[kLatticeColours] = result.thin.size();
   return result;
-}
-
-static void set_thin_gains(ThinGains& eight, int lane, const LatticeCell& cell, const CellBlock& block,
-                           double cell_width_m, const std::array<double, 8>& inverse_masses,
-                           const IsotropicMaterial& material, bool compensate, double step_s) {
-  const Matrix6 modulus =
-      compensate ? compensated_modulus(cell, block, material, step_s) : strain_modulus(material);
-  const Matrix18 gain = thin_cell_gain(thin_cell_stiffness(cell, cell_width_m, material, modulus),
-                                       thin_cell_mobility(cell, cell_width_m, inverse_masses), step_s);
-  for (int row = 0, k = 0; row < kThinMeasures; ++row) {
-    for (int column = row; column < kThinMeasures; ++column, ++k) {
-      eight.gain[k][lane] = significant(gain(row, column), std::sqrt(gain(row, row) * gain(column, column)));
-    }
-  }
 }
 
 static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, const CellBatches& batches,
@@ -194,10 +179,20 @@ static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, cons
   const CellPlace& at = batches.places[index];
   if (at.kind == CellPlace::Kind::Held) return;
   const LatticeCell& cell = lattice.cells[index];
-  const CellBlock block = make_cell_block(cell, lattice.cell_width_m, of_corners(cell, inverse_masses));
+  const std::array<double, 8> inverse = of_corners(cell, inverse_masses);
+  const CellBlock block = make_cell_block(cell, lattice.cell_width_m, inverse);
   if (at.kind == CellPlace::Kind::Thin) {
-    set_thin_gains(gains.thin[at.index], at.lane, cell, block, lattice.cell_width_m,
-                   of_corners(cell, inverse_masses), materials.of(cell), compensate, step_s);
+    const IsotropicMaterial material = materials.of(cell);
+    const Matrix6 modulus =
+        compensate ? compensated_modulus(cell, block, material, step_s) : strain_modulus(material);
+    const Matrix18 gain = thin_cell_gain(thin_cell_stiffness(cell, lattice.cell_width_m, material, modulus),
+                                         thin_cell_mobility(cell, lattice.cell_width_m, inverse), step_s);
+    for (int row = 0, k = 0; row < 18; ++row) {
+      for (int column = row; column < 18; ++column, ++k) {
+        gains.thin[at.index].gain[k][at.lane] =
+            significant(gain(row, column), std::sqrt(gain(row, row) * gain(column, column)));
+      }
+    }
     return;
   }
   const CellGains own =

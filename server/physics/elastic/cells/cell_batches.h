@@ -29,9 +29,8 @@ struct CellBatches {
   std::vector<CutCells> cut;
   std::vector<ThinCells> thin;
   CellColours colours{};
-  std::vector<CellPlace> places;   // by lattice cell
-  double full_inverse_mass = 0.0;  // of the nodes around full cells
-  bool paired = false;             // corners 2k and 2k + 1 are consecutive nodes in every cell
+  std::vector<CellPlace> places;  // by lattice cell
+  bool paired = false;            // corners 2k and 2k + 1 are consecutive nodes in every cell
 
   Eigen::Quaterniond rotation(size_t cell) const;  // identity for a held cell
   void set_rotations(const Eigen::Quaterniond& rotation);

@@ -9,7 +9,6 @@
 
 #include "physics/elastic/cells/kernels/node_kernels.h"
 #include "physics/elastic/contact_constraints.h"
-#include "physics/lattice/node_sample.h"
 
 // The nodes of a body's lattice in single precision, relative to an origin that follows the body, so that
 // precision does not depend on the position in the world.
@@ -22,13 +21,14 @@ class CellNodes {
   // `count` nodes, followed by eight spare nodes at the corners of a cell of width `cell_width_m`.
   CellNodes(size_t count, double cell_width_m);
 
+  static NodeLanes lanes(const Eigen::Vector3d& v) {
+    return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+  }
   size_t count() const { return count_; }
   uint32_t spare() const { return static_cast<uint32_t>(count_); }
 
   // Inverse mass 0: the node is held.
   void set_mass(size_t node, double mass_kg, double inverse_mass);
-  double inverse_mass(size_t node) const { return position_[node].value[3]; }
-  double mass_kg(size_t node) const { return velocity_[node].value[3]; }
 
   Eigen::Vector3d position_m(size_t node) const { return vector(position_[node]); }
   Eigen::Vector3d velocity_m_s(size_t node) const { return vector(velocity_[node]); }
@@ -117,9 +117,6 @@ class CellNodes {
     return {low[0], low[1], low[2]};
   }
   static Eigen::Vector3d vector(const Node& n) { return {n.value[0], n.value[1], n.value[2]}; }
-  static NodeLanes lanes(const Eigen::Vector3d& v) {
-    return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
-  }
   static void set(Node& n, const Eigen::Vector3d& v) {
     n.value = NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),
                         n.value[3]};

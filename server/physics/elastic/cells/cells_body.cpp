@@ -13,18 +13,13 @@
 #include "core/revision.h"
 #include "physics/ablation/ablation.h"
 #include "physics/collision/surface_points.h"
-#include "physics/elastic/resolution/resolution_request.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/lattice/region_load.h"
 #include "physics/surface_friction.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
-
-constexpr double kGravity_m_s2 = 9.81;
 constexpr double kMinNodeMassRatio = 1e-3;  // minimum node mass relative to the heaviest node of its cells
 
 }  // namespace
@@ -79,10 +74,8 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
 }
 
 void CellsBody::set_up_materials() {
-  BodyMaterials materials = body_materials(materials_.own, materials_.regions, volume_m3_);
-  materials_.cells.materials = std::move(materials.elastic);
-  materials_.densities_kg_m3 = std::move(materials.densities_kg_m3);
-  materials_.plasticities = std::move(materials.plasticities);
+  static_cast<BodyMaterials&>(materials_) = body_materials(materials_.own, materials_.regions, volume_m3_);
+  materials_.cells.materials = materials_.elastic;
 }
 
 double CellsBody::material_friction(size_t material) const {
@@ -106,17 +99,9 @@ double CellsBody::max_friction() const {
   return friction;
 }
 
-double CellsBody::asked_modulus_pa(size_t material) const {
-  const double own = materials_.own.effective_youngs_modulus_pa();
-  if (material == 0) return own;
-  const RegionMaterial& region = materials_.regions[material - 1];
-  return region.youngs_modulus_pa.value_or(region.youngs_modulus_factor * own);
-}
-
 void CellsBody::choose(double cell_width_m) {
-  ResolutionRequest request =
-      resolution_request(extent_, {materials_.cells.materials, materials_.densities_kg_m3, {}},
-                         holding_.boundary_moved, accuracy_.rate_hz, accuracy_.scene_substeps);
+  ResolutionRequest request = resolution_request(extent_, materials_, holding_.boundary_moved,
+                                                 accuracy_.rate_hz, accuracy_.scene_substeps);
   request.cell_width_m = cell_width_m;
   request.body_substeps = accuracy_.given_substeps;
   request.max_node_substeps = accuracy_.max_node_substeps;
@@ -239,8 +224,8 @@ void CellsBody::rebuild_cells() {
 void CellsBody::predict_accuracy() {
   const double step_s =
       (options_.second_order ? 2.0 / 3.0 : 1.0) / (accuracy_.rate_hz * accuracy_.resolution.substeps);
-  const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
-  accuracy_.bands.clear();
+  const Vector3d cells = size_m() / lattice_.cell_width_m;
+  accuracy_.materials.clear();
   accuracy_.thin_part = thin_part(lattice_, extent_.loose);
   for (size_t k = 0; k < materials_.densities_kg_m3.size(); ++k) {
     const IsotropicMaterial& one = materials_.cells.materials[k];
@@ -261,11 +246,12 @@ void CellsBody::predict_accuracy() {
       band.ratio_high *= kThinBendsTo;
       band.ratio_across = std::max(band.ratio_across, band.ratio_high);
     }
-    const double kept = one.youngs_modulus_pa / asked_modulus_pa(k);
-    band.ratio_low *= kept;
-    band.ratio_high *= kept;
-    band.ratio_across *= kept;
-    accuracy_.bands.push_back(band);
+    const double requested_pa = materials_.elastic[k].youngs_modulus_pa,
+                 kept = one.youngs_modulus_pa / requested_pa;
+    const bool clipped = one.youngs_modulus_pa < requested_pa;
+    accuracy_.materials.push_back({clipped ? ElasticBand::Clipped : band.band, requested_pa,
+                                   one.youngs_modulus_pa, band.ratio_low * kept, band.ratio_high * kept,
+                                   band.ratio_across * kept, clipped});
   }
 }
 
@@ -274,9 +260,9 @@ void CellsBody::predict_accuracy() {
 const GaussSeidelGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
   const double own_s = 1.0 / (accuracy_.rate_hz * accuracy_.resolution.substeps);
-  StepGains& gains = alike(own_s)                                          ? gains_.own
-                     : alike(own_s / accuracy_.resolution.impact_substeps) ? gains_.impact
-                                                                           : gains_.imposed;
+  Gains::OfStep& gains = alike(own_s)                                          ? gains_.own
+                         : alike(own_s / accuracy_.resolution.impact_substeps) ? gains_.impact
+                                                                               : gains_.imposed;
   if (!alike(gains.step_s)) gains = {h, {}};
   std::optional<GaussSeidelGains>& found = gains.of_order[second_order];
   if (!found) {
@@ -348,8 +334,7 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
     velocities[i] += description.velocity_m_s + description.angular_velocity_rad_s.cross(positions[i]);
     if (description.cells.scramble > 0) {
       const Vector3d far(anywhere(), anywhere(), anywhere());
-      positions[i] =
-          orientation_ * (extent_.object_from_lattice * far.cwiseProduct(extent_.max_m - extent_.min_m));
+      positions[i] = orientation_ * (extent_.object_from_lattice * far.cwiseProduct(size_m()));
     }
     if (inverse_masses_[i] == 0.0) {
       positions[i] = orientation_ * r;
@@ -384,14 +369,19 @@ void CellsBody::set_material(const Material& material) {
   wake();
 }
 
-void CellsBody::restart_motion() {
-  std::vector<Vector3d> positions(nodes_.count()), velocities(nodes_.count());
+BodyMomentum CellsBody::node_motion() const {
+  std::vector<Vector3d> positions, velocities;
   for (size_t i = 0; i < nodes_.count(); ++i) {
-    positions[i] = nodes_.position_m(i);
-    velocities[i] = nodes_.velocity_m_s(i);
-    nodes_.set_motion(i, positions[i], velocities[i]);
+    positions.push_back(nodes_.position_m(i));
+    velocities.push_back(nodes_.velocity_m_s(i));
   }
-  ledger_.motion = body_momentum(positions, velocities, masses_kg_);
+  return body_momentum(positions, velocities, masses_kg_);
+}
+
+void CellsBody::restart_motion() {
+  for (size_t i = 0; i < nodes_.count(); ++i)
+    nodes_.set_motion(i, nodes_.position_m(i), nodes_.velocity_m_s(i));
+  ledger_.motion = node_motion();
   ledger_.step_orientation = orientation_;
   use_material_inertia();
   ledger_.restart();
@@ -409,13 +399,13 @@ void CellsBody::wake() {
 }
 
 // Hysteretic damping dissipates 2 pi eta of a vibration's energy per cycle. Damping at the rate eta omega is
-// equivalent at one frequency, here the lowest. It is the axial or bending mode of a beam with the body's
-// longest side and smallest thickness, free at both ends or clamped at one.
+// equivalent at one frequency, here the lowest.
 double CellsBody::damping_rate() const { return materials_.own.loss_factor * lowest_rate_rad_s(); }
 
-// Axial or bending mode of a beam with free ends, or with one held end and the length holding_.reach_m.
+// Axial or bending mode of a beam with the body's smallest thickness and its longest side, with free ends, or
+// with one held end and the length holding_.reach_m.
 double CellsBody::lowest_rate_rad_s() const {
-  const Vector3d size = extent_.max_m - extent_.min_m;
+  const Vector3d size = size_m();
   const double length = free() ? size.maxCoeff() : holding_.reach_m, thickness = size.minCoeff();
   const double wave_m_s =
       std::sqrt(materials_.cells.materials[0].youngs_modulus_pa / materials_.densities_kg_m3[0]);
@@ -495,35 +485,24 @@ BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
   return energy;
 }
 
-Eigen::AlignedBox3d CellsBody::bounds_m() const {
+AlignedBox3d CellsBody::bounds_m() const {
   if (frozen()) {  // the nodes still have their positions from the freeze
     const Vector3d around = Vector3d::Constant(reach_m_);
     return {centre_m() - around, centre_m() + around};
   }
-  Eigen::AlignedBox3d box;
+  AlignedBox3d box;
   for (uint32_t i = 0; i < nodes_.count(); ++i) box.extend(nodes_.position_m(i));
   return box.translate(origin_m_);
 }
 
 ElasticAccuracy CellsBody::accuracy() const {
   ElasticAccuracy accuracy;
+  static_cast<MaterialAccuracy&>(accuracy) = accuracy_.materials[0];
+  for (size_t k = 1; k < accuracy_.materials.size(); ++k)
+    accuracy.regions.push_back({accuracy_.materials[k], materials_.region_names[k - 1]});
   accuracy.cell_width_m = accuracy_.resolution.cell_width_m;
   accuracy.substeps = accuracy_.resolution.substeps;
   accuracy.courant = accuracy_.resolution.courant;
-  const auto report = [&](size_t k, MaterialAccuracy& of_material) {
-    of_material.youngs_modulus_pa = asked_modulus_pa(k);
-    of_material.reached_youngs_modulus_pa = materials_.cells.materials[k].youngs_modulus_pa;
-    of_material.clipped = of_material.reached_youngs_modulus_pa < of_material.youngs_modulus_pa;
-    of_material.band = of_material.clipped ? ElasticBand::Clipped : accuracy_.bands[k].band;
-    of_material.modulus_ratio_low = accuracy_.bands[k].ratio_low;
-    of_material.modulus_ratio_high = accuracy_.bands[k].ratio_high;
-    of_material.modulus_ratio_across = accuracy_.bands[k].ratio_across;
-  };
-  report(0, accuracy);
-  for (size_t k = 1; k < accuracy_.bands.size(); ++k) {
-    accuracy.regions.push_back({{}, materials_.region_names[k - 1]});
-    report(k, accuracy.regions.back());
-  }
   accuracy.recovery_count = recovery_count_;
   accuracy.node_substeps = accuracy_.resolution.node_substeps;
   if (accuracy_.unbudgeted) {
@@ -531,7 +510,7 @@ ElasticAccuracy CellsBody::accuracy() const {
     accuracy.unbudgeted_reached_pa = accuracy_.unbudgeted->youngs_modulus_pa;
   }
   accuracy.over_budget = accuracy_.resolution.over_budget;
-  accuracy.sag = materials_.densities_kg_m3[0] * kGravity_m_s2 * (extent_.max_m - extent_.min_m).minCoeff() /
+  accuracy.sag = materials_.densities_kg_m3[0] * 9.81 * size_m().minCoeff() /
                  materials_.cells.materials[0].youngs_modulus_pa;
   accuracy.thin_part = accuracy_.thin_part;
   accuracy.nodes = nodes_.count();
@@ -542,7 +521,7 @@ ElasticAccuracy CellsBody::accuracy() const {
                    surface_.lattice_cells.capacity() * sizeof(uint32_t) +
                    surface_.face_normals.capacity() * sizeof(Eigen::Vector3f) +
                    surface_.cells.capacity() * sizeof(SurfaceCell);
-  for (const StepGains* gains : {&gains_.own, &gains_.impact, &gains_.imposed}) {
+  for (const Gains::OfStep* gains : {&gains_.own, &gains_.impact, &gains_.imposed}) {
     for (const auto& of_order : gains->of_order) accuracy.bytes += of_order ? of_order->bytes() : 0;
   }
   return accuracy;
@@ -571,13 +550,7 @@ std::optional<ElasticBody::RayHit> CellsBody::ray_cast(const Vector3d& origin_m,
 }
 
 NodeSample CellsBody::sample_at(const EmbeddedPoint& point) const {
-  const std::array<double, 8> weights = trilinear_weights(point.local);
-  NodeSample sample;
-  for (int c = 0; c < 8; ++c) {
-    sample.nodes[c] = lattice_.cells[point.cell].nodes[c];
-    sample.weights[c] = static_cast<float>(weights[c]);
-  }
-  return sample;
+  return sample_of(lattice_.cells[point.cell].nodes, point.local);
 }
 
 Vector3d CellsBody::node_velocity(size_t node) const {
@@ -592,4 +565,4 @@ Vector3d CellsBody::velocity_of(const NodeSample& sample) const {
   return sum;
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -10,33 +10,14 @@
 #include <vector>
 
 #include "physics/elastic/cells/cells_state.h"
-#include "physics/elastic/flat_body.h"
 #include "physics/elastic_body.h"
 
 // The `cells` solver: an embedded lattice of eight-node cells, one sweep per substep, BDF2. Its accuracy:
-// server/physics/ACCURACY.md.
-//
-// One substep, in cells_step.cpp unless another file is given:
-//   predict   velocities and positions by BDF2; damping; exact momentum of the whole body
-//   regions   prescribed motion of held nodes; loads                            cells_regions.cpp
-//   sweep     elasticity, cell by cell; corrections start at zero               kernels/cell_kernels.h
-//   regions   held particles that are not fixed by their nodes                  cells_regions.cpp
-//   contact   two-way, with rigid bodies                                     cells_rigid_contact.cpp
-//             two-way, with elastic bodies                                   cells_elastic_contact.cpp
-//             surface points against colliders, after elasticity, so that no    cells_contact.cpp
-//             penetration remains
-//   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
-// Once per frame: energy limiter (cells_energy_limiter.cpp), detection of stuck contacts
-// (cells_stuck_contacts.cpp), plastic flow (cells_plasticity.cpp), shape recovery (cells_shape_recovery.cpp)
-// and sleep (cells_sleep.cpp). A tick can also be stepped elsewhere (cells_flat.cpp).
+// server/physics/ACCURACY.md; the phases of a step: ../README.md.
 
-namespace livegs {
+namespace livegs::cells {
 
 class CellsBody final : public ElasticBody, public FlatBody {
-  using Vector3d = Eigen::Vector3d;
-  using Matrix3d = Eigen::Matrix3d;
-  using Quaterniond = Eigen::Quaterniond;
-
  public:
   // Precondition: make_elastic_body has checked the description.
   CellsBody(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep);
@@ -60,8 +41,8 @@ class CellsBody final : public ElasticBody, public FlatBody {
   const Material& material() const override { return materials_.own; }
   bool asleep() const override { return rest_.sleep_timer.asleep(); }
   int recovery_count() const override { return recovery_count_; }
-  bool place(const Pose& world_from_object, const Eigen::Vector3d& velocity_m_s,
-             const Eigen::Vector3d& angular_velocity_rad_s) override;
+  bool place(const Pose& world_from_object, const Vector3d& velocity_m_s,
+             const Vector3d& angular_velocity_rad_s) override;
   void wake() override;
   bool frozen() const override { return rest_.rigid.has_value(); }
 
@@ -73,12 +54,11 @@ class CellsBody final : public ElasticBody, public FlatBody {
   ContactTotal take_contact_total() override { return std::exchange(loads_.contact_total, {}); }
   bool takes_springs() const override { return true; }
   double reach_m() const override { return reach_m_; }
-  Eigen::AlignedBox3d bounds_m() const override;
+  AlignedBox3d bounds_m() const override;
   void prepare_bounds() override;
-  Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const override;
+  AlignedBox3d surface_bounds_m(const AlignedBox3d& within) const override;
   void prepare_for_contact() override { become_elastic(); }
-  void surface_elements(const Eigen::AlignedBox3d& within,
-                        std::vector<SurfaceElement>& elements) const override;
+  void surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Vector3d& point_m) const override;
   ContactParticipant& contact_participant() override { return *participant_; }
@@ -87,15 +67,14 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void defer_sleep(bool wait) override { rest_.sleep_timer.defer(wait); }
   bool can_sleep() const override { return rest_.sleep_timer.can_sleep(); }
   void sleep() override;
-  Eigen::Vector3d velocity_m_s() const override;
-  Eigen::Vector3d angular_velocity_rad_s() const override;
+  Vector3d velocity_m_s() const override;
+  Vector3d angular_velocity_rad_s() const override;
   std::vector<ParticleState> particles() const override;
-  BodyEnergy energy(const Eigen::Vector3d& gravity_m_s2) const override;
+  BodyEnergy energy(const Vector3d& gravity_m_s2) const override;
   ElasticAccuracy accuracy() const override;
-  Eigen::Vector3d world_point(const Eigen::Vector3d& rest_point_m) const override;
-  Eigen::Vector3d point_velocity_m_s(const Eigen::Vector3d& rest_point_m) const override;
-  std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m,
-                                 const Eigen::Vector3d& direction) const override;
+  Vector3d world_point(const Vector3d& rest_point_m) const override;
+  Vector3d point_velocity_m_s(const Vector3d& rest_point_m) const override;
+  std::optional<RayHit> ray_cast(const Vector3d& origin_m, const Vector3d& direction) const override;
 
   uint64_t flat_revision() const override { return flat_revision_; }
   size_t flat_node_count() const override { return nodes_.count(); }
@@ -106,19 +85,6 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void end_flat_tick(const FlatTick& tick, const FlatState& state) override;
 
  private:
-  using Load = cells::Load;
-  using ConstrainedRegion = cells::ConstrainedRegion;
-  using SurfaceCell = cells::SurfaceCell;
-  using CurvedPatch = cells::CurvedPatch;
-  using Candidate = cells::Candidate;
-  using ColliderContact = cells::ColliderContact;
-  using DynamicContact = cells::DynamicContact;
-  using ElasticContacts = cells::ElasticContacts;
-  using RigidContacts = cells::RigidContacts;
-  using StuckContact = cells::StuckContact;
-  using LastForce = cells::LastForce;
-  using StepGains = cells::Gains::OfStep;
-
   struct Ball {
     Vector3d centre_m;  // relative to the origin
     double radius_m;
@@ -136,16 +102,14 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void regularise_node_masses();
   void rebuild_cells();
   void predict_accuracy();
-  double asked_modulus_pa(size_t material) const;
   double material_friction(size_t material) const;
   double friction_at(
       uint32_t point) const;  // of a surface point: that of its cell's materials by their shares
   double max_friction() const;
   const GaussSeidelGains& gains_of(double h, bool second_order);
   void start_motion(const ElasticBodyDescription& description);
-  std::vector<Eigen::Vector3d> node_velocities(std::span<const Eigen::Vector3d> velocities_m_s,
-                                               const Eigen::Vector3d& rest_centre_m,
-                                               const Eigen::Matrix3d& world_from_rest) const;
+  std::vector<Vector3d> node_velocities(std::span<const Vector3d> velocities_m_s,
+                                        const Vector3d& rest_centre_m, const Matrix3d& world_from_rest) const;
   void make_surface(const std::vector<SurfacePatch>& patches);
 
   void hold_regions(const ElasticBodyDescription& description);
@@ -196,22 +160,20 @@ class CellsBody final : public ElasticBody, public FlatBody {
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   double node_speed_m_s() const;  // relative to the centre of mass: a bound for nearly all nodes
   void start_from_last_force(ContactConstraint& row) const;
+  void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
+  void collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
+                                    std::vector<ContactConstraint>& rows);
   // cells_rigid_contact.cpp
   template <class Visit>
   void visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const;
   bool may_touch_awake(const SubstepContext& context) const;
   void find_rigid_candidates(const SubstepContext& context, double speed_m_s);
   std::vector<char> update_rigid_contacts(const SubstepPart& part, const SubstepContext& context);
-  void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
-                                  std::vector<ContactConstraint>& rows);
+  void collide_surface_with_rigid(const SubstepContext& context, std::vector<ContactConstraint>& rows);
   void find_rigid_contacts(RigidProxy& body, RigidContacts& contacts);
   bool folds_on(const RigidProxy& body) const;
-  void collide_rigid_points(RigidProxy& body, const RigidContacts& contacts, ContactParticipant& participant,
+  void collide_rigid_points(RigidProxy& body, const RigidContacts& contacts,
                             std::vector<ContactConstraint>& rows);
-  // cells_elastic_contact.cpp
-  void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
-  void collide_surface_with_elastic(CellsBody& other, double h, ElasticContacts& contacts,
-                                    std::vector<ContactConstraint>& rows);
   // cells_stuck_contacts.cpp
   StuckContact& stuck_contact(uint64_t body_id);
   bool is_separating() const;  // from any body
@@ -243,6 +205,7 @@ class CellsBody final : public ElasticBody, public FlatBody {
   double elastic_f32_j() const;  // in single precision for most cells
   double overstrained_volume_fraction() const;
   double thickness_m() const;
+  BodyMomentum node_motion() const;  // of the nodes as point masses
   // After nodes were set: recomputes the motion of the body; the next step is first order.
   void restart_motion();
   bool rigid_substep(const SubstepContext& context);
@@ -254,10 +217,10 @@ class CellsBody final : public ElasticBody, public FlatBody {
   bool has_finite_motion() const;
   bool limit_energy();
   void restore_last_valid_state();
-  Eigen::Vector3d rest_centre_m() const;  // centre of mass, object frame
+  Vector3d rest_centre_m() const;  // centre of mass, object frame
   // All nodes at the rest shape, with the motion of a rigid body; clears flow, contacts and loads.
-  void set_rest_shape(const Pose& world_from_object, const Eigen::Vector3d& velocity_m_s,
-                      const Eigen::Vector3d& angular_velocity_rad_s);
+  void set_rest_shape(const Pose& world_from_object, const Vector3d& velocity_m_s,
+                      const Vector3d& angular_velocity_rad_s);
   bool has_moved(double distance_m);
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
@@ -267,6 +230,7 @@ class CellsBody final : public ElasticBody, public FlatBody {
   Vector3d node_velocity(size_t node) const;  // with the correction of the momentum ledger
   double mobility(const NodeSample& sample) const;
   bool free() const { return !holding_.held; }
+  Vector3d size_m() const { return extent_.max_m - extent_.min_m; }
   double damping_rate() const;
   double lowest_rate_rad_s() const;  // of the vibrations
   void update_carried_load(const SubstepPart& part);
@@ -291,21 +255,21 @@ class CellsBody final : public ElasticBody, public FlatBody {
   int recovery_count_ = 0;                // number of resets
   uint64_t flat_revision_ = 0;            // unique for each rebuild of the cells
 
-  cells::Materials materials_;
-  cells::Accuracy accuracy_;
-  cells::Gains gains_;
-  cells::Plasticity plastic_;
-  cells::Holding holding_;
-  cells::Loads loads_;
+  Materials materials_;
+  Accuracy accuracy_;
+  Gains gains_;
+  Plasticity plastic_;
+  Holding holding_;
+  Loads loads_;
   MomentumLedger ledger_;
-  cells::Surface surface_;
-  cells::ColliderContacts colliders_;
-  cells::BodyContacts bodies_;
-  cells::StepState step_;
-  cells::EnergyLimiter limiter_;
-  cells::ShapeRecovery recovery_;
-  cells::Rest rest_;
+  Surface surface_;
+  ColliderContacts colliders_;
+  BodyContacts bodies_;
+  StepState step_;
+  EnergyLimiter limiter_;
+  ShapeRecovery recovery_;
+  Rest rest_;
   std::unique_ptr<ContactParticipant> participant_;
 };
 
-}  // namespace livegs
+}  // namespace livegs::cells

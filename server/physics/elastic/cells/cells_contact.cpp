@@ -8,10 +8,8 @@
 #include "physics/elastic/cells/contact_margins.h"
 #include "physics/elastic/contact_constraints.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
-
-using Eigen::Vector3d;
 
 // Minimum mobility of a point of a partly held body, relative to the mobility without held nodes. Below it
 // the mobility is 0: the few free nodes would move many times as far as the point, or by rounding only.
@@ -125,4 +123,4 @@ void CellsBody::apply_collider_contact(uint32_t index, const NodeSample& sample,
   colliders_.contacts.push_back({index, sample, impulse});
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

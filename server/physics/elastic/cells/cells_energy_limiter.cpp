@@ -10,17 +10,12 @@
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
-
-using Eigen::Vector3d;
 
 // Tolerated gain relative to the energy without that of flight. With a larger tolerance badly strained bodies
 // gain energy.
 constexpr double kMaxGain = 0.003;
-// Above this Courant number the computed energy is not meaningful, because the body shows only a small part
-// of its modulus. Only studies take such steps.
-constexpr double kMaxCourant = 1.0;
 // Limits of a plausible energy, beyond which the state is lost. Relative to E V (strains of about a hundred
 // everywhere), and relative to the energy of a fall over the body's own length plus the energy of flight.
 constexpr double kMaxStrainEnergyRatio = 1e5, kMaxFallEnergyRatio = 1e3;
@@ -86,7 +81,9 @@ bool CellsBody::limit_energy() {
   const double work_j = std::exchange(limiter_.work_j, 0.0);
   const bool unknown =
       rest_.driven || holding_.moved || recovery_.recovering || is_separating() || !loads_.regions.empty();
-  if (accuracy_.resolution.courant > kMaxCourant ||
+  // Above a Courant number of 1 the computed energy is not meaningful, because the body shows only a small
+  // part of its modulus. Only studies take such steps.
+  if (accuracy_.resolution.courant > 1.0 ||
       std::max(step_.strain_squared, step_.bent_squared) < kStrainedSquared) {
     limiter_.limit_j.reset();
     return true;
@@ -123,4 +120,4 @@ bool CellsBody::limit_energy() {
   return true;
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

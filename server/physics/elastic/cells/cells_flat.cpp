@@ -8,19 +8,11 @@
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-// Least determinant of the inertia relative to its trace cubed: solvable in single precision.
-constexpr double kMinInertiaRatio = 1e-5;
-
-template <class Gains>
-std::array<float, FlatLattice::kGains> flat_gains(const Gains& shear, float volume_compliance,
-                                                  const auto& mode) {
-  std::array<float, FlatLattice::kGains> row{};
+FlatLattice::Gains flat_gains(const auto& shear, float volume_compliance, const auto& mode) {
+  FlatLattice::Gains row{};
   for (size_t k = 0; k < 21; ++k) row[k] = shear(k);
   row[21] = volume_compliance;
   for (size_t j = 0; j < 4; ++j) {
@@ -129,7 +121,7 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
   }
   if (free()) {
     const Matrix3d scaled = ledger_.node_inertia / ledger_.node_inertia.trace();
-    if (!(scaled.determinant() > kMinInertiaRatio)) return "it is slender";
+    if (!(scaled.determinant() > 1e-5)) return "it is slender";  // not solvable in single precision
   }
   SubstepContext context;
   context.start_s = tick.start_s;
@@ -174,8 +166,8 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
     state.colliders.push_back(flat);
   }
 
-  rest_.forced = std::any_of(tick.forces.begin(), tick.forces.end(),
-                             [](const PointForce& force) { return force.force_n.squaredNorm() > 0.0; });
+  rest_.forced = std::ranges::any_of(
+      tick.forces, [](const PointForce& force) { return force.force_n.squaredNorm() > 0.0; });
   rest_.driven = false;
   gather_point_loads(context);
   state.impact = in_impact(context) && accuracy_.resolution.impact_substeps > 1;
@@ -222,11 +214,7 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
         at.kind == CellPlace::Kind::Full ? batches_.full[at.index].rotation : batches_.cut[at.index].rotation;
     state.rotations.push_back({q[1][at.lane], q[2][at.lane], q[3][at.lane], q[0][at.lane]});
   }
-  state.first = step_.first;
-  state.strained = step_.strained;
-  state.touching = step_.touching;
-  state.backward = step_.backward;
-  state.deviation_m_s = step_.deviation_m_s;
+  static_cast<StepMemory&>(state) = step_;
   state.pressed_n = loads_.pressed_n;
   state.carried_n = loads_.carried_n;
   state.ledger = ledger_;
@@ -253,13 +241,11 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   for (const Load& load : loads_.points)
     limiter_.work_j += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);
 
+  static_cast<StepMemory&>(step_) = state;
   step_.first = false;
   step_.in_step = false;
   step_.second_order = state.second_order;
   step_.is_slow = state.slow;
-  step_.strained = state.strained;
-  step_.touching = state.touching;
-  step_.backward = state.backward;
   step_.strain_squared = state.strain_squared;
   step_.bent_squared = state.bent_squared;
   recovery_.degenerate = recovery_.degenerate || state.ever_strained;
@@ -274,14 +260,10 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   loads_.contact_total.moment += state.contact_moment + state.contact_n_s * origin_m_;
 
   // The motion of the nodes in double precision, and the difference to the ledger as measure() has it.
-  std::vector<Vector3d> positions(nodes_.count()), velocities(nodes_.count());
   double kinetic_j = 0.0;
-  for (size_t i = 0; i < nodes_.count(); ++i) {
-    positions[i] = nodes_.position_m(i);
-    velocities[i] = nodes_.velocity_m_s(i);
-    kinetic_j += 0.5 * masses_kg_[i] * velocities[i].squaredNorm();
-  }
-  ledger_.motion = body_momentum(positions, velocities, masses_kg_);
+  for (size_t i = 0; i < nodes_.count(); ++i)
+    kinetic_j += 0.5 * masses_kg_[i] * nodes_.velocity_m_s(i).squaredNorm();
+  ledger_.motion = node_motion();
   use_material_inertia();
   ledger_.velocity_correction.setZero();
   ledger_.spin_correction.setZero();
@@ -295,7 +277,6 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   }
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   step_.spin_rad_s = spin.norm();
-  step_.deviation_m_s = state.deviation_m_s;
   step_.kinetic_j = kinetic_j - 0.5 * spin.dot((ledger_.node_inertia - ledger_.motion.inertia) * spin);
 
   colliders_.contacts.clear();
@@ -308,4 +289,4 @@ void CellsBody::end_flat_tick(const FlatTick& tick, const FlatState& state) {
   end_substep(context);
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -5,17 +5,7 @@
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 
-namespace livegs {
-namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-// Least part of a node's distance that counts as inertia: 1/sqrt(3), that of one full cell. Contacts act on
-// the nodes, whose inertia they would exceed many times in a thin cord if its own counted.
-constexpr double kMinMomentMap = 0.577;
-
-}  // namespace
+namespace livegs::cells {
 
 double CellsBody::density_of(const LatticeCell& cell) const {
   double density_kg_m3 = 0.0;
@@ -62,7 +52,9 @@ void CellsBody::set_moment_map() {
   material_centre /= mass;
   of_material = mass_kg_ * (of_material / mass - material_centre * material_centre.transpose());
   const Eigen::SelfAdjointEigenSolver<Matrix3d> map(map_between_moments(of_nodes, of_material));
-  const Vector3d kept = map.eigenvalues().cwiseMax(kMinMomentMap).cwiseMin(1.0);
+  // At least 1/sqrt(3) of a node's distance counts as inertia, that of one full cell. Contacts act on the
+  // nodes, whose inertia they would exceed many times in a thin cord if its own counted.
+  const Vector3d kept = map.eigenvalues().cwiseMax(0.577).cwiseMin(1.0);
   ledger_.map = map.eigenvectors() * kept.asDiagonal() * map.eigenvectors().transpose();
 }
 
@@ -97,4 +89,4 @@ Matrix3d CellsBody::centrifugal_correction() const {
   return map * pull * map - pull;
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

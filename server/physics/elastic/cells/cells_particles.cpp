@@ -2,11 +2,11 @@
 // The state of the body's particles for output.
 #include "physics/elastic/cells/cells_body.h"
 
-namespace livegs {
+namespace livegs::cells {
 
 // Deformation gradients of the nodes, from the lattice to the world: means over the adjacent cells of the
 // gradients at their corners, as for the kernels (common/skin/kernels/skin_lattice.cpp).
-std::vector<Eigen::Matrix3d> CellsBody::node_gradients() const {
+std::vector<Matrix3d> CellsBody::node_gradients() const {
   std::vector<Matrix3d> gradients(nodes_.count(), Matrix3d::Zero());
   std::vector<int> cells_around(nodes_.count(), 0);
   for (const LatticeCell& cell : lattice_.cells) {
@@ -64,4 +64,4 @@ void CellsBody::match_momentum(std::vector<ParticleState>& states) const {
   for (ParticleState& state : states) state.velocity_m_s += faster + spin.cross(state.position_m - centre);
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -12,12 +12,11 @@
 #include "physics/elastic/cells/plate_cell.h"
 #include "physics/material/return_mapping.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
 
-bool none_flowed(const std::array<Eigen::Vector3d, kModeCount>& modes) {
-  return std::all_of(modes.begin(), modes.end(),
-                     [](const Eigen::Vector3d& mode) { return mode.isZero(0.0); });
+bool none_flowed(const std::array<Vector3d, kModeCount>& modes) {
+  return std::ranges::all_of(modes, [](const Vector3d& mode) { return mode.isZero(0.0); });
 }
 
 }  // namespace
@@ -79,8 +78,8 @@ void CellsBody::flow() {
     const bool fresh = plastic_.parts.empty() ||
                        (plastic_.parts[i] == Matrix3d::Identity() && none_flowed(plastic_.modes[i]));
     if (fresh && (shape.f.transpose() * shape.f - Matrix3d::Identity()).norm() <= surface.radius &&
-        std::all_of(shape.modes.begin(), shape.modes.end(),
-                    [&](const Vector3d& mode) { return per_m * mode.norm() <= yield; })) {
+        std::ranges::all_of(shape.modes,
+                            [&](const Vector3d& mode) { return per_m * mode.norm() <= yield; })) {
       continue;
     }
     turn(i, shape);
@@ -184,4 +183,4 @@ double CellsBody::energy_of(size_t index, const CellShape& shape) const {
                      0.5 * (stretch + stretch.transpose()) - rest, shape.f.determinant(), modes);
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

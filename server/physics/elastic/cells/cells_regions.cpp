@@ -10,18 +10,15 @@
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/lattice/region_load.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
-
-using Eigen::Vector3d;
 
 // A particle with less than this part of its weight on free nodes is not held individually; the held nodes
 // suffice.
 constexpr double kFreeShare = 0.05;
 // Conjugate gradients that hold particles end when the residual is below this part of that at the start of
-// the step, and below this part of a cell, or after this number of iterations.
-constexpr double kHeldResidual = 1e-3, kHeldTolerance = 1e-7;
-constexpr int kMaxHoldIterations = 40;
+// the step.
+constexpr double kHeldResidual = 1e-3;
 // Least singular value of the held particles' weights, over the root of the masses, that is held in full,
 // relative to the largest. Below it nodes would move far for a small change of the particles, and a body at
 // rest would gain energy. Smaller: thin bodies become unstable. Larger: moved particles lag.
@@ -68,8 +65,8 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
       }
       const double full_m3 = std::pow(lattice_.cell_width_m, 3);
       for (const LatticeCell& cell : lattice_.cells) {
-        const bool outer = std::any_of(cell.nodes.begin(), cell.nodes.end(),
-                                       [&](uint32_t node) { return cells_around[node] < 8; });
+        const bool outer =
+            std::ranges::any_of(cell.nodes, [&](uint32_t node) { return cells_around[node] < 8; });
         if (!outer || cell.volume_m3 > (1.0 - 1e-6) * full_m3) continue;
         for (const uint32_t node : cell.nodes) take(node);
       }
@@ -111,8 +108,7 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
 }
 
 // The largest distance of a node from the held ones, along the body: in steps from cell to cell, of which a
-// diagonal one counts once. It is the
-// length of the beam that sets the lowest mode.
+// diagonal one counts once. It is the length of the beam that sets the lowest mode.
 void CellsBody::measure_held_reach() {
   std::vector<int> steps(inverse_masses_.size(), -1);
   for (const ConstrainedRegion& held : holding_.regions) {
@@ -124,9 +120,8 @@ void CellsBody::measure_held_reach() {
   for (bool grows = true; grows;) {
     grows = false;
     for (const LatticeCell& cell : lattice_.cells) {
-      const bool reached = std::any_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t node) {
-        return steps[node] >= 0 && steps[node] <= reach;
-      });
+      const bool reached = std::ranges::any_of(
+          cell.nodes, [&](uint32_t node) { return steps[node] >= 0 && steps[node] <= reach; });
       if (!reached) continue;
       for (const uint32_t node : cell.nodes) {
         if (steps[node] >= 0) continue;
@@ -143,7 +138,7 @@ void CellsBody::measure_held_reach() {
 // well, at the points of a traction. This applies only to grips across the whole body; a line of particles
 // acts as a hinge.
 void CellsBody::hold_face(const ParticleSet& particles, ConstrainedRegion& held) {
-  Eigen::AlignedBox3d body;
+  AlignedBox3d body;
   for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
   const Vector3d slack = Vector3d::Constant(1e-6 * lattice_.cell_width_m);
   const auto over = (held.region.min_m - slack).array() <= body.min().array() &&
@@ -175,8 +170,7 @@ Vector3d CellsBody::region_target_m(const ConstrainedRegion& held, const Vector3
 }
 
 bool CellsBody::driven(double from_s, double to_s) const {
-  return holding_.moved &&
-         std::any_of(holding_.regions.begin(), holding_.regions.end(), [&](const ConstrainedRegion& held) {
+  return holding_.moved && std::ranges::any_of(holding_.regions, [&](const ConstrainedRegion& held) {
            return !held.released && held.region.motion && moves_between(*held.region.motion, from_s, to_s);
          });
 }
@@ -205,7 +199,7 @@ void CellsBody::number_held_nodes(ConstrainedRegion& held) const {
   std::vector<uint32_t> nodes;
   for (const NodeSample& sample : held.particles)
     nodes.insert(nodes.end(), std::begin(sample.nodes), std::end(sample.nodes));
-  std::sort(nodes.begin(), nodes.end());
+  std::ranges::sort(nodes);
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   held.particle_nodes = nodes;
   for (const NodeSample& sample : held.particles) {
@@ -213,8 +207,7 @@ void CellsBody::number_held_nodes(ConstrainedRegion& held) const {
     Vector3d& rest_m = held.particle_rest_m.emplace_back(Vector3d::Zero());
     for (int c = 0; c < 8; ++c) {
       rest_m += sample.weights[c] * lattice_.node_position_m(sample.nodes[c]);
-      numbers[c] = static_cast<uint32_t>(std::lower_bound(nodes.begin(), nodes.end(), sample.nodes[c]) -
-                                         nodes.begin());
+      numbers[c] = static_cast<uint32_t>(std::ranges::lower_bound(nodes, sample.nodes[c]) - nodes.begin());
     }
   }
 }
@@ -258,12 +251,12 @@ void CellsBody::hold_particles(double time_s) {
       }
       return sum;
     };
-    const double tolerance_m = kHeldTolerance * lattice_.cell_width_m;
+    const double tolerance_m = 1e-7 * lattice_.cell_width_m;
     const double end = std::max(kHeldResidual * kHeldResidual * square, tolerance_m * tolerance_m * count);
     double slope = set_gradient();
     const double least_slope = kHeldResidual * kHeldResidual * kHeldResidual * slope;
     direction = gradient;
-    for (int k = 0; k < kMaxHoldIterations && square > end && slope > least_slope; ++k) {
+    for (int k = 0; k < 40 && square > end && slope > least_slope; ++k) {
       double length = 0.0;
       std::vector<Vector3d> image(count, Vector3d::Zero());
       for (size_t i = 0; i < count; ++i) {
@@ -309,4 +302,4 @@ bool CellsBody::release_region(const std::string& name) {
   return true;
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact of a `cells` body with rigid bodies and balls: surface points of the body against the rigid
-// surface, and contact points of the rigid body against the surface of this one.
+// surface, and contact points of the rigid body against the surface of this one, which detects corners, rods
+// and small balls between surface points.
 #include <algorithm>
 #include <cmath>
 
@@ -9,12 +10,8 @@
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/body_id.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
-
-using Eigen::AlignedBox3d;
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 // Distance of the samples of a rigid body's normal cone, in spacings of its contact points.
 constexpr double kNormalConeStep = 0.02;
@@ -85,8 +82,9 @@ std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, cons
   for (size_t k = 0; k < context.bodies.size(); ++k) {
     const RigidProxy& body = *context.bodies[k];
     RigidContacts& contacts = bodies_.rigid[k];
-    valid =
-        valid && contacts.own_revision == bodies_.revision && contacts.shape_revision == body.shape->revision;
+    const bool known =
+        contacts.own_revision == bodies_.revision && contacts.shape_revision == body.shape->revision;
+    valid = valid && known;
     // Motion that the last steps did not count, such as an impact between substeps or a reset.
     const double reach_m = body.shape->bounding_radius_m,
                  turned = body.before.orientation.angularDistance(contacts.last.orientation),
@@ -101,8 +99,7 @@ std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, cons
     // The point of a ball is no material point: it moves over the surface as the ball rolls. With a normal
     // that lags, balls roll out of their pits.
     stale.push_back((body.shape->is_ball() && !contacts.points.empty()) || !(contacts.margin_m > 0.0) ||
-                    contacts.own_revision != bodies_.revision ||
-                    contacts.shape_revision != body.shape->revision);
+                    !known);
   }
   bodies_.rigid_margin_m -= motion_m;
   if (!valid || bodies_.rigid_margin_m <= 0.0) find_rigid_candidates(context, fastest_m_s);
@@ -110,7 +107,7 @@ std::vector<char> CellsBody::update_rigid_contacts(const SubstepPart& part, cons
 }
 
 // Surface points of this body against rigid bodies.
-void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
+void CellsBody::collide_surface_with_rigid(const SubstepContext& context,
                                            std::vector<ContactConstraint>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
@@ -147,7 +144,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
       candidate.apart_m = std::min(candidate.apart_m, found.distance_m - kRowMargin * extent_.box_edge_m);
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       ContactConstraint row;
-      row.a = &participant;
+      row.a = participant_.get();
       row.b = row.rigid = &body;
       row.anchor_a.sample = sample;
       row.point_m = origin_m_ + point;
@@ -168,7 +165,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
 // Contact points of a rigid body against this body's surface; for a ball the deepest point.
 void CellsBody::find_rigid_contacts(RigidProxy& body, RigidContacts& contacts) {
   contacts.points.clear();
-  contacts.margin_m = kApartMargin * extent_.box_edge_m;
+  contacts.margin_m = 0.5 * kElementReach * extent_.box_edge_m;
   contacts.own_revision = bodies_.revision;
   contacts.shape_revision = body.shape->revision;
   const double within_m = (kRowMargin + kCandidateMargin) * extent_.box_edge_m;
@@ -223,11 +220,11 @@ void CellsBody::find_rigid_contacts(RigidProxy& body, RigidContacts& contacts) {
 // Thin bodies only: both sides of a sheet are within reach of a point, and the sheet can fold. On thick
 // blocks, one-sided contact or remaining overlaps would keep piles awake.
 bool CellsBody::folds_on(const RigidProxy& body) const {
-  return !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * element_reach_m();
+  return !body.shape->is_ball() && size_m().minCoeff() < 2.0 * element_reach_m();
 }
 
 void CellsBody::collide_rigid_points(RigidProxy& body, const RigidContacts& contacts,
-                                     ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
+                                     std::vector<ContactConstraint>& rows) {
   const Pose at = body.at_end();
   const Matrix3d turn = at.orientation.toRotationMatrix();
   const double radius = body.shape->sphere_radius_m;
@@ -238,7 +235,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, const RigidContacts& cont
     if (gap > kRowMargin * extent_.box_edge_m) continue;
     ContactConstraint row;
     if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kMaxFoldedPenetration * extent_.box_edge_m), 0.0, 1.0);
-    row.a = &participant;
+    row.a = participant_.get();
     row.b = row.rigid = &body;
     row.point_m = point - radius * touch.normal;
     row.anchor_a.sample = touch.own;
@@ -252,4 +249,4 @@ void CellsBody::collide_rigid_points(RigidProxy& body, const RigidContacts& cont
   }
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

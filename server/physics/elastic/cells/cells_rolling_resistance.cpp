@@ -11,12 +11,10 @@
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/rigid_proxy.h"
+#include "physics/motion/vector_algebra.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 // Minimum decay time of the spin; prevents excitation of jittering bodies.
 constexpr double kSpinDecayTime_s = 0.02;
@@ -61,8 +59,7 @@ Vector3d rolling_resistance(const std::vector<Push>& pushes, const Vector3d& spi
     const double contact_m = std::cbrt(0.75 * size / step_s * radius_m / stiffness_pa);
     spread += size / pressed * contact_m * contact_m / 5.0 / radius_m * radii_m;
   }
-  Matrix3d across;  // across x = normal cross x
-  across << 0.0, -normal.z(), normal.y(), normal.z(), 0.0, -normal.x(), -normal.y(), normal.x(), 0.0;
+  const Matrix3d across = cross_matrix(normal);
   const Matrix3d extent = across * spread * across.transpose();
   const Vector3d rolling = spin - normal * normal.dot(spin), rolled = extent * spin;
   const double speed = std::sqrt(std::max(0.0, spin.dot(rolled)));
@@ -141,4 +138,4 @@ void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows
   }
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

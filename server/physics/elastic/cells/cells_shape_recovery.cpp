@@ -12,17 +12,15 @@
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/cells/plate_cell.h"
+#include "physics/material/return_mapping.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
 // det A / (|A| / sqrt 3)³: 1 for a rotation, 0 for a flat or wound state, negative for a mirrored one.
-constexpr double kMinDeterminant = 0.1, kRecoveredDeterminant = 0.8;
-constexpr double kRecoveryDelay_s = 0.5;  // most tangles resolve on their own within this time
-// Rate of the blend to the rigid shape; doubles after each kRecoveryDelay_s of recovery.
+constexpr double kRecoveredDeterminant = 0.8;
+// Rate of the blend to the rigid shape; doubles after each kLastingTime_s of recovery. Most tangles resolve
+// on their own within that time.
 constexpr double kBlendRate_per_s = 12.0;
 constexpr double kMaxEnergyGain = 1.5;              // per frame of recovery, relative to the elastic energy
 constexpr double kMinRecoveryStrainSquared = 0.01;  // |S - I|² of the worst cell
@@ -78,7 +76,7 @@ double CellsBody::thickness_m() const {
     thin_m3 += cell.volume_m3;
     sum += cell.volume_m3 * std::sqrt(12.0 * cell.thin->variance_m2.minCoeff());
   }
-  return thin_m3 > 0.0 ? sum / thin_m3 : (extent_.max_m - extent_.min_m).minCoeff();
+  return thin_m3 > 0.0 ? sum / thin_m3 : size_m().minCoeff();
 }
 
 void CellsBody::recover_shape(double frame_s) {
@@ -86,9 +84,9 @@ void CellsBody::recover_shape(double frame_s) {
   // No recovery under load or sag: the strain is then legitimate.
   const double youngs_modulus_pa = materials_.cells.materials[0].youngs_modulus_pa,
                weight_n = mass_kg_ * step_.gravity_m_s2;
-  const double length_m = (extent_.max_m - extent_.min_m).norm();
+  const double length_m = size_m().norm();
   const double sag = materials_.densities_kg_m3[0] * step_.gravity_m_s2 * length_m / youngs_modulus_pa;
-  const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
+  const double area_m2 = volume_m3_ / size_m().maxCoeff();
   const double holding_n =
       std::max(weight_n, kMinHoldingForce * youngs_modulus_pa * std::sqrt(step_.bent_squared) * area_m2);
   const bool pressed = step_.touching && (loads_.carried_n > holding_n || sag > kMaxSag),
@@ -120,19 +118,20 @@ void CellsBody::recover_shape(double frame_s) {
   const bool strained =
       step_.bent_squared > (wild ? kOverstrainedSquared : kMinRecoveryStrainSquared) + 4.0 * spun * spun &&
       (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
+  const bool recovered = (limp || upright > kRecoveredDeterminant) && !strained;
   if (!recovery_.recovering) {
-    if ((limp || upright > kRecoveredDeterminant) && !strained) recovery_.degenerate = false;
+    if (recovered) recovery_.degenerate = false;
     const bool settled = strained && 0.5 * mass_kg_ * step_.deviation_m_s * step_.deviation_m_s <
                                          kSettledEnergyRatio * elastic_f32_j();
     // A tangle that does not come to rest counts half: first-order steps should have calmed it by then.
-    const double weight = (!limp && upright < kMinDeterminant) || settled ? 1.0
+    const double weight = (!limp && upright < kMinVolumeRatio) || settled ? 1.0
                           : strained && (wild || step_.strained)          ? 0.5
                                                                           : -1.0;
     recovery_.degenerate_s = std::max(0.0, recovery_.degenerate_s + weight * frame_s);
-    recovery_.recovering = recovery_.degenerate_s > kRecoveryDelay_s;
+    recovery_.recovering = recovery_.degenerate_s > kLastingTime_s;
   }
   if (!recovery_.recovering) return;
-  if ((limp || upright > kRecoveredDeterminant) && !strained) {
+  if (recovered) {
     recovery_.recovering = false;
     recovery_.degenerate_s = 0.0;
     return;
@@ -140,7 +139,7 @@ void CellsBody::recover_shape(double frame_s) {
   // Blends positions to the rigid shape about the centre and sets a rigid motion with the same momentum and
   // angular momentum. The rate grows, because folds of thin sheets can snap back between frames.
   recovery_.degenerate_s += frame_s;
-  const double doublings = recovery_.degenerate_s / kRecoveryDelay_s - 1.0;
+  const double doublings = recovery_.degenerate_s / kLastingTime_s - 1.0;
   const double part = 1.0 - std::exp(-kBlendRate_per_s * std::exp2(doublings) * frame_s);
   const Matrix3d rotation = nearest_rotation(fit);
   const Vector3d velocity = ledger_.motion.velocity_m_s(), l = ledger_.motion.angular_momentum,
@@ -167,4 +166,4 @@ void CellsBody::recover_shape(double frame_s) {
   restart_motion();
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -12,17 +12,13 @@
 #include "physics/motion/free_rotation.h"
 #include "physics/motion/motion_validity.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-// A free body with a smaller strain in its worst cell for kUnstrainedTime_s is frozen into its shape.
+// A free body with a smaller strain in its worst cell for half of kLastingTime_s is frozen into its shape.
 constexpr double kVisibleStrain = 1e-3;
-constexpr double kUnstrainedTime_s = 0.25;
-// Distance from its place within which every visible point of a sleeping body stayed for
-// SleepTimer::kStillTime_s; the second relative to the longest side, for small bodies. It bounds the speed of
+// Distance from its place within which every visible point of a sleeping body stayed for kLastingTime_s; the
+// second relative to the longest side, for small bodies. It bounds the speed of
 // what stops: 4 mm/s in the mean. Smaller: bodies whose points flutter in contact stay awake. Larger: slow
 // motion stops visibly.
 constexpr double kStillDistance_m = 2e-3, kStillShare = 0.02;
@@ -65,7 +61,7 @@ void CellsBody::rest(double frame_s) {
   const bool unstrained = free() && rest_.may_rest && !step_.touching && !rest_.forced && !is_separating() &&
                           loads_.regions.empty() && step_.strain_squared < kVisibleStrain * kVisibleStrain;
   rest_.unstrained_s = unstrained ? rest_.unstrained_s + frame_s : 0.0;
-  if (rest_.unstrained_s >= kUnstrainedTime_s && !without(Mechanism::RigidWhenUnstrained)) {
+  if (rest_.unstrained_s >= 0.5 * kLastingTime_s && !without(Mechanism::RigidWhenUnstrained)) {
     become_rigid();
     return;
   }
@@ -74,9 +70,9 @@ void CellsBody::rest(double frame_s) {
   const bool measured = holding_.held || !loads_.regions.empty();
   const bool moves = rest_.forced || rest_.driven || is_separating() ||
                      (measured && !without(Mechanism::DriftTest) && !is_stationary(frame_s));
-  const double still_m = std::min(kStillDistance_m, kStillShare * (extent_.max_m - extent_.min_m).maxCoeff());
+  const double still_m = std::min(kStillDistance_m, kStillShare * size_m().maxCoeff());
   const bool moved = moves || !rest_.supported || has_moved(measured ? still_m / kStationaryFactor : still_m);
-  if (rest_.sleep_timer.tick(frame_s, moved ? INFINITY : 0.0, rest_.supported, moves)) sleep();
+  if (rest_.sleep_timer.tick(frame_s, !moved)) sleep();
 }
 
 // Whether a visible surface point has left its place by more than `distance_m` since the last time that this
@@ -100,8 +96,7 @@ bool CellsBody::has_moved(double distance_m) {
 bool CellsBody::is_stationary(double frame_s) {
   const Vector3d centre = centre_m();
   rest_.stationary_s += frame_s;
-  if ((centre - rest_.stationary_at_m).norm() >
-      kMaxStationaryDrift * (extent_.max_m - extent_.min_m).maxCoeff()) {
+  if ((centre - rest_.stationary_at_m).norm() > kMaxStationaryDrift * size_m().maxCoeff()) {
     rest_.stationary_at_m = centre;
     rest_.stationary_s = 0.0;
   }
@@ -120,12 +115,8 @@ bool CellsBody::has_finite_motion() const {
 void CellsBody::restore_last_valid_state() {
   ++recovery_count_;
   const Vector3d still = Vector3d::Zero();
-  if (holding_.held) {
-    set_rest_shape(holding_.world_from_object, still, still);
-  } else {
-    set_rest_shape({whole_.position_m - whole_.orientation * rest_centre_m(), whole_.orientation}, still,
-                   still);
-  }
+  const Pose last{whole_.position_m - whole_.orientation * rest_centre_m(), whole_.orientation};
+  set_rest_shape(holding_.held ? holding_.world_from_object : last, still, still);
 }
 
 bool CellsBody::place(const Pose& world_from_object, const Vector3d& velocity_m_s,
@@ -178,7 +169,7 @@ void CellsBody::sleep() {
 }
 
 void CellsBody::become_rigid() {
-  cells::RigidMotion rigid;
+  RigidMotion rigid;
   rigid.world_from_body.position_m = origin_m_ + ledger_.motion.centre_m;
   for (size_t i = 0; i < nodes_.count(); ++i) {
     rigid.shape_m.push_back((nodes_.position_m(i) - ledger_.motion.centre_m).cast<float>());
@@ -234,10 +225,7 @@ void CellsBody::place_rigid() {
 void CellsBody::become_elastic() {
   if (!rest_.rigid) return;
   place_rigid();
-  std::vector<Vector3d> positions(nodes_.count());
-  const std::vector<Vector3d> still(positions.size(), Vector3d::Zero());
-  for (size_t i = 0; i < positions.size(); ++i) positions[i] = nodes_.position_m(i);
-  ledger_.node_inertia = body_momentum(positions, still, masses_kg_).inertia;
+  ledger_.node_inertia = node_motion().inertia;
   rest_.rigid.reset();
   // The rotations of the sweep are out of date. The strain is negligible, so all are set to the body's
   // rotation.
@@ -249,4 +237,4 @@ void CellsBody::become_elastic() {
   step_.first = true;
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "physics/elastic/cells/cell_batches.h"
 #include "physics/elastic/cells/cell_nodes.h"
 #include "physics/elastic/elastic_sleep_timer.h"
+#include "physics/elastic/flat_body.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"
@@ -26,16 +28,28 @@
 
 namespace livegs::cells {
 
+using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
+using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Materials of the body and of its regions; cells_body.cpp.
-struct Materials {
+// A material point of the cell with these nodes, from its local coordinates.
+inline NodeSample sample_of(std::span<const uint32_t, 8> nodes, const Vector3d& local) {
+  const std::array<double, 8> weights = trilinear_weights(local);
+  NodeSample sample;
+  for (size_t c = 0; c < 8; ++c) {
+    sample.nodes[c] = nodes[c];
+    sample.weights[c] = static_cast<float>(weights[c]);
+  }
+  return sample;
+}
+
+// Materials of the body and of its regions, as requested; cells_body.cpp.
+struct Materials : BodyMaterials {
   Material own;
   std::vector<RegionMaterial> regions;
   std::vector<std::string> region_names;  // of `regions`
-  CellMaterials cells;
-  std::vector<double> densities_kg_m3, plasticities;  // by material
+  CellMaterials cells;                    // as simulated
 };
 
 // Resolution in space and time, and the predicted accuracy; cells_body.cpp.
@@ -46,7 +60,7 @@ struct Accuracy {
   double max_node_substeps = 0.0, scene_node_substeps = 0.0;
   LatticeResolution resolution;
   std::optional<LatticeResolution> unbudgeted;  // set if the scene's budget limits the body
-  std::vector<ModulusBand> bands;               // by material, of the simulated moduli
+  std::vector<MaterialAccuracy> materials;      // in the order of Materials
   double thin_part = 0.0;                       // as ElasticAccuracy::thin_part
 };
 
@@ -212,7 +226,7 @@ struct StuckContact {
 };
 
 // Contact with rigid and elastic bodies; cells_dynamic_contact.cpp, cells_rigid_contact.cpp,
-// cells_elastic_contact.cpp, cells_stuck_contacts.cpp.
+// cells_stuck_contacts.cpp.
 struct BodyContacts {
   std::vector<Candidate> rigid_candidates;  // with indices of `rigid`
   double rigid_margin_m = 0.0;              // relative motion of any of them before a new search
@@ -230,14 +244,12 @@ struct BodyContacts {
 };
 
 // The current step; cells_step.cpp.
-struct StepState {
+struct StepState : StepMemory {
   double kinetic_j = 0.0;                           // of the last step
-  double deviation_m_s = 0.0;                       // root mean square velocity relative to the rigid motion
   double spin_rad_s = 0.0;                          // of the whole body
   double driven_m_s = 0.0;                          // fastest node of a moved region
   double strain_squared = 0.0, bent_squared = 0.0;  // largest over the cells
   bool second_order = false, is_slow = false, in_step = false;
-  bool first = true, strained = false, touching = false, backward = false;
   double gravity_m_s2 = 0.0;  // of the last substep
   Vector3d gravity = Vector3d::Zero();
   double impact_until_s = -1.0;

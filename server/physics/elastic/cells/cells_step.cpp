@@ -19,12 +19,10 @@
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/motion/free_rotation.h"
+#include "physics/motion/vector_algebra.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 // Volume ratio det F below which a body takes first-order steps, which dissipate energy, as beyond
 // kStrainedSquared; BDF2 would amplify the motion.
@@ -34,25 +32,13 @@ constexpr double kFirstOrderVolumeRatio = 0.2;
 // noise, which BDF2 damps too little.
 constexpr double kMaxSlowSpeedRatio = 0.1;
 
-// Grip strength fades from full at the first cell stretch to zero at the second.
-constexpr double kGripFadeStart = 2.0, kGripFadeEnd = 4.0;
+// Grip strength fades from full at this cell stretch to zero at twice the stretch.
+constexpr double kGripFadeStart = 2.0;
 
 // Impact speed that triggers impact steps, relative to the wave speed. Larger values let landing bodies gain
 // energy.
 constexpr double kImpactSpeedRatio = 0.03;
 constexpr double kImpactFrames = 2.0;
-
-// Time constant of the carried load; spans several bounces.
-constexpr double kCarriedLoadTime_s = 0.25;
-
-// Maximum length of a world substep, in scene substeps; about 1 s at 90 Hz and 64 substeps.
-constexpr double kMaxSceneSubsteps = 6000.0;
-
-NodeLanes lanes_of(const Vector3d& v) {
-  return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
-}
-
-Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
@@ -69,11 +55,11 @@ int CellsBody::begin_substep(const SubstepContext& context) {
   }
   if (rest_.rigid && rigid_substep(context)) return 0;
   // A substep longer than the scene's is split, never stretched, because the stiffness was chosen for the
-  // scene's.
+  // scene's; at most 6000 of those: about 1 s at 90 Hz and 64 substeps.
   const double longer = std::ceil(context.duration_s * accuracy_.rate_hz * accuracy_.scene_substeps - 1e-6);
   gather_point_loads(context);
   const int steps = accuracy_.resolution.substeps / accuracy_.scene_substeps *
-                    static_cast<int>(std::clamp(longer, 1.0, kMaxSceneSubsteps));
+                    static_cast<int>(std::clamp(longer, 1.0, 6000.0));
   return in_impact(context) ? steps * accuracy_.resolution.impact_substeps : steps;
 }
 
@@ -123,8 +109,7 @@ void CellsBody::solve_springs(const SubstepPart& part) {
                              nodes_.position_m(load.sample);
     spring.force_n +=
         (k * (stretch + h * slower) + c * slower - spring.force_n) / (1.0 + w * h * (k * h + c));
-    const double size = spring.force_n.norm(), most_n = spring.max_force_n * grip_factor(load.sample);
-    if (size > most_n) spring.force_n *= most_n / size;
+    spring.force_n = clamp_norm(spring.force_n, spring.max_force_n * grip_factor(load.sample));
     load.force_n = spring.force_n;
   }
 }
@@ -133,20 +118,16 @@ void CellsBody::solve_springs(const SubstepPart& part) {
 // parts without bound and add large amounts of energy.
 double CellsBody::grip_factor(const NodeSample& sample) const {
   if (without(Mechanism::GripFade)) return 1.0;
-  Eigen::Matrix3d f = Eigen::Matrix3d::Zero();
-  for (int c = 0; c < 8; ++c) {
-    const Vector3d sign(c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0);
-    f += nodes_.position_m(sample.nodes[c]) * sign.transpose();
-  }
+  Matrix3d f = Matrix3d::Zero();
+  for (int c = 0; c < 8; ++c) f += nodes_.position_m(sample.nodes[c]) * corner_sign(c).transpose();
   f *= 0.25 / lattice_.cell_width_m;
   const double squared =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(f.transpose() * f, Eigen::EigenvaluesOnly)
-          .eigenvalues()[2];
-  return std::clamp((kGripFadeEnd - std::sqrt(squared)) / (kGripFadeEnd - kGripFadeStart), 0.0, 1.0);
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(f.transpose() * f, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  return std::clamp(2.0 - std::sqrt(squared) / kGripFadeStart, 0.0, 1.0);
 }
 
 double CellsBody::slow_speed_m_s(const Vector3d& gravity_m_s2) const {
-  const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
+  const double smallest_m = size_m().minCoeff();
   return kMaxSlowSpeedRatio * std::sqrt(gravity_m_s2.norm() * smallest_m);
 }
 
@@ -219,7 +200,8 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
 void CellsBody::update_carried_load(const SubstepPart& part) {
   const double friction = max_friction(), sum = ledger_.contact_impulse.norm();
   const double through = loads_.contact_n_s / std::sqrt(1.0 + friction * friction) - sum;
-  const double part_of_mean = part.duration_s / (part.duration_s + kCarriedLoadTime_s);
+  const double mean_s = 0.5 * kLastingTime_s;  // time constant; spans several bounces
+  const double part_of_mean = part.duration_s / (part.duration_s + mean_s);
   const double carried_n_s = 0.5 * std::max(0.0, through) + (holding_.held ? sum : 0.0);
   loads_.pressed_n += part_of_mean * (loads_.contact_n_s / part.duration_s - loads_.pressed_n);
   loads_.carried_n += part_of_mean * (carried_n_s / part.duration_s - loads_.carried_n);
@@ -235,8 +217,7 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   }
 
   // Damping acts on the deviation from rigid motion, not on forces (otherwise a load would appear lighter).
-  // The rigid motion follows the ledger. A loss factor eta dissipates 2 pi eta of the energy per cycle, so
-  // the rate is eta times that of the lowest mode. A load M lowers the frequency to sqrt(k / (m' + M)), and
+  // The rigid motion follows the ledger. A load M lowers the frequency to sqrt(k / (m' + M)), and
   // only the part m' / (m' + M) of the energy is in the motion of the nodes, which the damping acts on. The
   // rate is therefore multiplied by sqrt(1 + M / m'). m' is pi²/144 of m between two contacts, and m/3 in a
   // held body (a rod held at its end). A step cannot remove more than the whole deviation.
@@ -269,13 +250,13 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   predict.memory = static_cast<float>(memory);
   predict.step_s = static_cast<float>(step_s);
   predict.kept = static_cast<float>(kept);
-  predict.centre = lanes_of(ledger_.motion.centre_m);
-  predict.correction = lanes_of(ledger_.velocity_correction);
-  predict.correction_spin = lanes_of(ledger_.spin_correction);
-  predict.bias = lanes_of(new_velocity - kept * old_velocity + step_s * context.gravity_m_s2);
-  predict.spin = lanes_of(new_spin - kept * old_spin);
+  predict.centre = CellNodes::lanes(ledger_.motion.centre_m);
+  predict.correction = CellNodes::lanes(ledger_.velocity_correction);
+  predict.correction_spin = CellNodes::lanes(ledger_.spin_correction);
+  predict.bias = CellNodes::lanes(new_velocity - kept * old_velocity + step_s * context.gravity_m_s2);
+  predict.spin = CellNodes::lanes(new_spin - kept * old_spin);
   const Matrix3d field = step_s * centrifugal_correction();
-  for (int d = 0; d < 3; ++d) predict.field[d] = lanes_of(field.col(d));
+  for (int d = 0; d < 3; ++d) predict.field[d] = CellNodes::lanes(field.col(d));
   predict_nodes(nodes_.arrays(), predict);
 
   for (const Load& load : loads_.points) {
@@ -294,20 +275,16 @@ void CellsBody::advance(double h) {
   const Vector3d momentum_of_step = ledger_.motion.momentum;
   measure(sums, h);
   ledger_.momentum_before = momentum_of_step;
-  ledger_.angular_before = material_angular(vector_of(sums.angular_before) -
+  ledger_.angular_before = material_angular(Vector3d(sums.angular_before) -
                                             ledger_.motion.centre_m.cross(ledger_.momentum_before));
-  for (const ColliderContact& touch : colliders_.contacts) {
-    const NodeSample& sample = touch.sample;
-    nodes_.push_before(sample, touch.impulse_n_s);
-    ledger_.momentum_before += touch.impulse_n_s;
-    ledger_.angular_before += (nodes_.position_m(sample) - ledger_.motion.centre_m).cross(touch.impulse_n_s);
-  }
-  for (const DynamicContact& touch : bodies_.contacts) {
+  const auto exclude = [&](const auto& touch) {
     nodes_.push_before(touch.sample, touch.impulse_n_s);
     ledger_.momentum_before += touch.impulse_n_s;
     ledger_.angular_before +=
         (nodes_.position_m(touch.sample) - ledger_.motion.centre_m).cross(touch.impulse_n_s);
-  }
+  };
+  for (const ColliderContact& touch : colliders_.contacts) exclude(touch);
+  for (const DynamicContact& touch : bodies_.contacts) exclude(touch);
 }
 
 // Updates the motion of the whole body and the difference between ledger and nodes. An impulse J at p changes
@@ -318,14 +295,17 @@ void CellsBody::measure(const NodeSums& sums, double h) {
   const Vector3d centre_before = ledger_.motion.centre_m,
                  spin_of_step = ledger_.motion.angular_velocity_rad_s();
   ledger_.motion.mass_kg = mass_kg_;
-  ledger_.motion.centre_m = vector_of(sums.mass_position) / mass_kg_;
-  ledger_.motion.momentum = vector_of(sums.momentum);
+  ledger_.motion.centre_m = Vector3d(sums.mass_position) / mass_kg_;
+  ledger_.motion.momentum = Vector3d(sums.momentum);
   ledger_.motion.angular_momentum =
-      vector_of(sums.angular) - ledger_.motion.centre_m.cross(ledger_.motion.momentum);
+      Vector3d(sums.angular) - ledger_.motion.centre_m.cross(ledger_.motion.momentum);
   const Vector3d& c = ledger_.motion.centre_m;
-  const double xx = sums.second[0] - mass_kg_ * c.x() * c.x(), yy = sums.second[1] - mass_kg_ * c.y() * c.y(),
-               zz = sums.second[2] - mass_kg_ * c.z() * c.z(), xy = sums.second[3] - mass_kg_ * c.x() * c.y(),
-               yz = sums.second[4] - mass_kg_ * c.y() * c.z(), zx = sums.second[5] - mass_kg_ * c.z() * c.x();
+  const double xx = sums.squares[0] - mass_kg_ * c.x() * c.x(),
+               yy = sums.squares[1] - mass_kg_ * c.y() * c.y(),
+               zz = sums.squares[2] - mass_kg_ * c.z() * c.z(),
+               xy = sums.products[0] - mass_kg_ * c.x() * c.y(),
+               yz = sums.products[1] - mass_kg_ * c.y() * c.z(),
+               zx = sums.products[2] - mass_kg_ * c.z() * c.x();
   ledger_.motion.inertia << yy + zz, -xy, -zx, -xy, xx + zz, -yz, -zx, -yz, xx + yy;
   ledger_.step_orientation = (rotation_exp(h * spin_of_step) * ledger_.step_orientation).normalized();
   use_material_inertia();
@@ -354,4 +334,4 @@ void CellsBody::measure(const NodeSums& sums, double h) {
   step_.deviation_m_s = std::sqrt(std::max(0.0, 2.0 * (sums.kinetic - rigid_j) / mass_kg_));
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

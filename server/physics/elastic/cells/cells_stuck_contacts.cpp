@@ -13,34 +13,28 @@
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/body_id.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
 
-using Eigen::Vector3d;
-
 constexpr double kMaxNetImpulseRatio = 0.5;  // of the sum of impulses relative to the sum of their magnitudes
-constexpr double kStuckTime_s = 0.5;
-// Separation: one body radius in this time, with at most this acceleration.
-constexpr double kSeparationTime_s = 0.25;
+// Separation: one body radius in half of kLastingTime_s, with at most this acceleration.
 constexpr double kMaxSeparation_m_s2 = 20.0;
 
 }  // namespace
 
-CellsBody::StuckContact& CellsBody::stuck_contact(uint64_t body_id) {
-  const auto at = std::lower_bound(bodies_.stuck.begin(), bodies_.stuck.end(), body_id,
-                                   [](const StuckContact& one, uint64_t id) { return one.body_id < id; });
+StuckContact& CellsBody::stuck_contact(uint64_t body_id) {
+  const auto at = std::ranges::lower_bound(bodies_.stuck, body_id, {}, &StuckContact::body_id);
   if (at != bodies_.stuck.end() && at->body_id == body_id) return *at;
   return *bodies_.stuck.insert(at, {.body_id = body_id});
 }
 
 bool CellsBody::is_separating(uint64_t body_id) const {
-  return std::any_of(bodies_.stuck.begin(), bodies_.stuck.end(),
-                     [&](const StuckContact& one) { return one.separating && one.body_id == body_id; });
+  return std::ranges::any_of(
+      bodies_.stuck, [&](const StuckContact& one) { return one.separating && one.body_id == body_id; });
 }
 
 bool CellsBody::is_separating() const {
-  return std::any_of(bodies_.stuck.begin(), bodies_.stuck.end(),
-                     [](const StuckContact& one) { return one.separating; });
+  return std::ranges::any_of(bodies_.stuck, &StuckContact::separating);
 }
 
 void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
@@ -67,7 +61,7 @@ void CellsBody::update_stuck_contacts(double frame_s) {
     if (!one.separating) {
       const bool stuck = one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
-      one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without(Mechanism::StuckContacts);
+      one.separating = one.overlaps = one.stuck_s > kLastingTime_s && !without(Mechanism::StuckContacts);
       if (one.separating)
         log_debug("object %u: stuck on object %u; contact is off until they are apart", object_id_,
                   object_of_body(one.body_id));
@@ -125,7 +119,8 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
   });
 
   const Vector3d centre = centre_m();
-  const double speed_m_s = reach_m_ / kSeparationTime_s, most_m_s = kMaxSeparation_m_s2 * part.duration_s;
+  const double speed_m_s = reach_m_ / (0.5 * kLastingTime_s),
+               most_m_s = kMaxSeparation_m_s2 * part.duration_s;
   const auto impulse = [&](const Vector3d& away, const Vector3d& other_m_s,
                            double other_inverse_mass) -> Vector3d {
     const double lacking = speed_m_s - away.dot(velocity_m_s() - other_m_s);
@@ -160,4 +155,4 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
   }
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -7,11 +7,8 @@
 #include "physics/collision/surface_points.h"
 #include "physics/elastic/cells/cells_body.h"
 
-namespace livegs {
+namespace livegs::cells {
 namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 // Largest local coordinate of a touching point that stays in the cell of its surface point.
 constexpr double kMaxOwnLocal = 1.05;
@@ -29,12 +26,11 @@ void CellsBody::make_surface(const std::vector<SurfacePatch>& patches) {
     points.push_back({lattice_.embed(patch.rest_m), &patch});
     round = round || (patch.reach_m > 0.0 && !without(Mechanism::CurvedPatches));
   }
-  std::stable_sort(points.begin(), points.end(),
-                   [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
+  std::ranges::stable_sort(points, {}, [](const Point& point) { return point.at.cell; });
   const Matrix3d lattice_from_object = extent_.object_from_lattice.conjugate().toRotationMatrix();
-  const bool even_friction =
-      std::all_of(materials_.regions.begin(), materials_.regions.end(),
-                  [](const RegionMaterial& one) { return !one.friction && one.friction_factor == 1.0; });
+  const bool even_friction = std::ranges::all_of(materials_.regions, [](const RegionMaterial& one) {
+    return !one.friction && one.friction_factor == 1.0;
+  });
   for (uint32_t i = 0; i < points.size(); ++i) {
     const SurfacePatch& patch = *points[i].patch;
     surface_.points.push_back(sample_at(points[i].at));
@@ -98,10 +94,7 @@ NodeSample CellsBody::touching_sample(uint32_t i, const Vector3d& normal) const 
     for (int c = 0; c < 8; ++c) rest += own.weights[c] * lattice_.node_position_m(own.nodes[c]);
     return sample_at(lattice_.embed(rest));
   }
-  const auto weights = trilinear_weights(local);
-  NodeSample sample = own;
-  for (int c = 0; c < 8; ++c) sample.weights[c] = static_cast<float>(weights[c]);
-  return sample;
+  return sample_of(own.nodes, local);
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

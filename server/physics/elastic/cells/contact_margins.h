@@ -11,19 +11,12 @@
 
 // Shared by the contacts of a `cells` body with rigid bodies and with elastic bodies.
 
-namespace livegs {
+namespace livegs::cells {
 
-// Maximum gap of a contact row, in particle edges. Open gaps are included because a neighbouring impulse can
-// close them.
-inline constexpr double kRowMargin = 0.02;
 // Relative motion, in particle edges, after which the contacts with a body are found again. Until then their
-// material points and normals are kept.
+// material points and normals are kept. While nothing can touch, half of kElementReach: within it every point
+// of the other surface has an element in reach.
 inline constexpr double kCandidateMargin = 0.25;
-// The same while nothing can touch: at most the distance in which every point of the other surface has an
-// element within kElementReach.
-inline constexpr double kApartMargin = 0.75;
-// Interaction range of a surface element, in particle edges.
-inline constexpr double kElementReach = 1.5;
 // Minimum margin of the candidate search, in cell widths, for colliders and rigid bodies.
 inline constexpr double kCandidateRoom = 0.5;
 // Motion that is counted for a step over that at the speeds at its start. Smaller: a body that speeds up is
@@ -50,4 +43,4 @@ bool keep_contacts(std::vector<Contacts>& contacts, const Bodies& bodies) {
   return false;
 }
 
-}  // namespace livegs
+}  // namespace livegs::cells

@@ -14,8 +14,6 @@ using Eigen::Vector3d;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Matrix6x9 = Eigen::Matrix<double, 6, 9>;
 
-// Axes of modes yz, xz, xy.
-constexpr int kModeAxes[3][2] = {{1, 2}, {0, 2}, {0, 1}};
 // Damping of the least-squares fit of the field amplitudes. Some lattices contain two fields that differ only
 // by squares (a sheet at exactly 45 degrees).
 constexpr double kDamping = 0.003;
@@ -69,10 +67,9 @@ Fields slider_parameters(const LatticeCell& cell, double cell_width_m, const Iso
   int column = 0;
   const auto add = [&](const Quadratic& field) {
     for (int j = 0; j < 3; ++j) {
-      for (int i = 0; i < 3; ++i) {
-        fields.shown(3 * j + i, column) =
-            0.25 * cell_width_m * cell_width_m * field[i](kModeAxes[j][0], kModeAxes[j][1]);
-      }
+      const int k = j == 0, l = j == 2 ? 1 : 2;  // axes of modes yz, xz, xy
+      for (int i = 0; i < 3; ++i)
+        fields.shown(3 * j + i, column) = 0.25 * cell_width_m * cell_width_m * field[i](k, l);
     }
     Matrix3d gradient;
     for (int i = 0; i < 3; ++i) {

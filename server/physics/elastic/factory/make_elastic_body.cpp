@@ -26,7 +26,8 @@ Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescript
     return std::unique_ptr<ElasticBody>(
         std::make_unique<LivegsV1Body>(description, rate_hz, substeps, may_sleep, steady));
   }
-  return std::unique_ptr<ElasticBody>(std::make_unique<CellsBody>(description, rate_hz, substeps, may_sleep));
+  return std::unique_ptr<ElasticBody>(
+      std::make_unique<cells::CellsBody>(description, rate_hz, substeps, may_sleep));
 }
 
 }  // namespace livegs

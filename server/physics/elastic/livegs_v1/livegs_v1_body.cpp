@@ -6,13 +6,9 @@
 #include <limits>
 
 namespace livegs {
-namespace {
 
 using Eigen::Matrix3d;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-}  // namespace
 
 LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps,
                            bool may_sleep, bool steady)

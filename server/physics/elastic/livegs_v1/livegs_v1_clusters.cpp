@@ -9,18 +9,12 @@
 #include <tuple>
 
 #include "physics/elastic/livegs_v1/livegs_v1_body.h"
-#include "physics/elastic/livegs_v1/livegs_v1_plasticity.h"
 
 namespace livegs {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-// A cluster holds the particles within this many spacings along each axis: 27 on a regular grid. If there are
-// fewer than kMinMembers, it holds the nearest kFallbackMembers.
-constexpr double kClusterReach = 1.5;
-constexpr size_t kMinMembers = 4, kFallbackMembers = 8;
 
 Matrix3d pseudo_inverse(const Matrix3d& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(symmetric);
@@ -36,9 +30,11 @@ Matrix3d pseudo_inverse(const Matrix3d& symmetric) {
 
 }  // namespace
 
+// A cluster holds the particles within 1.5 spacings along each axis: 27 on a regular grid. If there are fewer
+// than 4, it holds the nearest 8.
 void LivegsV1Body::make_clusters() {
   using Key = std::tuple<int64_t, int64_t, int64_t>;
-  const double reach = kClusterReach * spacing_m_;
+  const double reach = 1.5 * spacing_m_;
   const auto key = [&](const Vector3d& p) {
     return Key{static_cast<int64_t>(std::floor(p.x() / reach)),
                static_cast<int64_t>(std::floor(p.y() / reach)),
@@ -69,12 +65,12 @@ void LivegsV1Body::make_clusters() {
         }
       }
     }
-    if (members_.size() - cluster.begin < kMinMembers) {
+    if (members_.size() - cluster.begin < 4) {
       members_.resize(cluster.begin);
       nearest.clear();
       for (uint32_t j = 0; j < rest_m_.size(); ++j)
         nearest.emplace_back((rest_m_[j] - rest_m_[i]).squaredNorm(), j);
-      const size_t take = std::min(kFallbackMembers, nearest.size());
+      const size_t take = std::min<size_t>(8, nearest.size());
       std::partial_sort(nearest.begin(), nearest.begin() + static_cast<ptrdiff_t>(take), nearest.end());
       for (size_t k = 0; k < take; ++k) members_.push_back(nearest[k].second);
     }
@@ -97,8 +93,20 @@ void LivegsV1Body::make_clusters() {
   }
 }
 
+bool creep_plastically(const Matrix3d& stretch, double plasticity, Matrix3d& plastic_part) {
+  const Matrix3d identity = Matrix3d::Identity();
+  const Matrix3d strain = stretch - identity;
+  if (!(plasticity > 0.0) || !(strain.norm() > 1.0 - plasticity)) return false;
+  Matrix3d crept = (identity + plasticity * strain) * plastic_part;
+  const double size = (crept - identity).norm();
+  if (size > plasticity) crept = identity + plasticity / size * (crept - identity);
+  if (!(crept.determinant() > 1e-3)) return false;
+  plastic_part = crept;
+  return true;
+}
+
 void LivegsV1Body::match_shapes(double blend) {
-  std::fill(goals_m_.begin(), goals_m_.end(), Vector3d::Zero());
+  std::ranges::fill(goals_m_, Vector3d(Vector3d::Zero()));
   for (Cluster& cluster : clusters_) {
     Vector3d centre = Vector3d::Zero();
     for (uint32_t k = cluster.begin; k < cluster.end; ++k) {

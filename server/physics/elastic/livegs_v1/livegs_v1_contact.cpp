@@ -14,10 +14,6 @@ using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// In spacings: interaction range of the elements, and maximum gap of a contact row.
-constexpr double kBaselineElementReach = 1.5;
-constexpr double kBaselineRowMargin = 0.02;
-
 ContactAnchor anchor_of(uint32_t particle) {
   ContactAnchor anchor;
   for (uint32_t& node : anchor.sample.nodes) node = particle;
@@ -74,7 +70,7 @@ Eigen::AlignedBox3d LivegsV1Body::bounds_m() const {
   return box.translate(origin_m_);
 }
 
-double LivegsV1Body::element_reach_m() const { return kBaselineElementReach * spacing_m_; }
+double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }
 ContactAnchor LivegsV1Body::anchor_at(uint32_t element, const Vector3d&) const { return anchor_of(element); }
 
 void LivegsV1Body::push_particle(uint32_t particle, const Vector3d& impulse_n_s) {
@@ -101,7 +97,7 @@ bool LivegsV1Body::may_touch_awake(const SubstepContext& context) const {
   for (const RigidProxy* body : context.bodies) {
     if (body->asleep) continue;
     const Pose body_from_world = body->start.inverse();
-    const double margin = context.duration_s * body->fastest_m_s() + kBaselineRowMargin * spacing_m_;
+    const double margin = context.duration_s * body->fastest_m_s() + kRowMargin * spacing_m_;
     const auto gap = [&](const Vector3d& p) {
       return body->shape->sample(body_from_world * Vector3d(origin_m_ + p)).distance_m;
     };
@@ -118,7 +114,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
   if (context.bodies.empty() && context.others.empty()) return;
   const double h = part.duration_s;
   ContactParticipant& participant = contact_participant();
-  const double margin = kBaselineRowMargin * spacing_m_;
+  const double margin = kRowMargin * spacing_m_;
   const Vector3d centre = origin_m_ + motion_.centre_m, displacement = h * motion_.velocity_m_s();
   const double around = 1.1 * (reach_m_ + spacing_m_) + displacement.norm();
   AlignedBox3d box;

@@ -9,13 +9,8 @@
 #include "physics/elastic/livegs_v1/livegs_v1_body.h"
 
 namespace livegs {
-namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kMargin_m = 1e-9;
-
-}  // namespace
 
 // Where regions overlap, the later one holds the particle.
 void LivegsV1Body::hold_regions() {
@@ -28,7 +23,7 @@ void LivegsV1Body::hold_regions() {
       continue;
     }
     for (size_t i = 0; i < rest_m_.size(); ++i) {
-      if (region.contains(rest_m_[i], kMargin_m)) holders_[i] = static_cast<int>(r);
+      if (region.contains(rest_m_[i], 1e-9)) holders_[i] = static_cast<int>(r);
     }
   }
   driven_.clear();
@@ -108,7 +103,7 @@ Vector3d LivegsV1Body::prescribed_m(size_t particle, double time_s) const {
 }
 
 bool LivegsV1Body::driven(double start_s, double end_s) const {
-  return std::any_of(driven_.begin(), driven_.end(), [&](uint32_t i) {
+  return std::ranges::any_of(driven_, [&](uint32_t i) {
     const RegionMotion& motion = *regions_[static_cast<size_t>(holders_[i])].motion;
     return moved_point(motion, rest_m_[i], start_s) != moved_point(motion, rest_m_[i], end_s);
   });

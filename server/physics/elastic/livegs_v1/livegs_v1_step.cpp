@@ -11,15 +11,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Maximum number of steps per substep. If free fall within a substep exceeds the particle spacing, the body
-// would be flattened on the ground. Such a substep is split into steps of the paper's length, for which d_R
-// was defined. Shorter substeps are never split, so the step dependence of the baseline is unchanged.
-constexpr int kMaxBaselineSteps = 1000;
 // Displacements above this fraction of the particle spacing are swept, to prevent tunnelling through the
 // ground. kMaxUnsweptPart (conservative_advancement.h) differs: it refers to the body's thickness, and the
 // ground of the paper has none.
 constexpr double kMaxUnsweptSpacings = 0.5;
-constexpr int kMaxBaselineProbes = 200;
 
 // First contact of a moving point with the collider, by sphere tracing. `gap_m` is the contact tolerance and
 // the minimum step.
@@ -30,7 +25,7 @@ std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& s
                                      const Vector3d& displacement_m, double radius_m, double gap_m) {
   const double length = displacement_m.norm();
   double gone = 0.0;
-  for (int probe = 0; probe < kMaxBaselineProbes && gone < length; ++probe) {
+  for (int probe = 0; probe < 200 && gone < length; ++probe) {
     const Vector3d point = start_m + gone / length * displacement_m;
     const SurfaceSample surface = sample_surface(collider, point);
     const double free = surface.distance_m - radius_m;
@@ -59,12 +54,15 @@ void LivegsV1Body::end_substep(const SubstepContext& context) {
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 
-// Number of steps for the substep; 0 if even kMaxBaselineSteps steps would be too long.
+// Number of steps for the substep; 0 if even 1000 would be too long. If free fall within a substep exceeds
+// the particle spacing, the body would be flattened on the ground. Such a substep is split into steps of the
+// paper's length, for which d_R was defined. Shorter substeps are never split, so the step dependence of the
+// baseline is unchanged.
 int LivegsV1Body::steps_of(const SubstepContext& context) {
   const double fall_m = context.duration_s * context.duration_s * context.gravity_m_s2.norm();
   if (fall_m <= spacing_m_) return 1;
   const double steps = std::max(2.0, std::ceil(context.duration_s / kPaperSubstep_s - 1e-9));
-  const bool refused = !(steps <= kMaxBaselineSteps);
+  const bool refused = !(steps <= 1000.0);
   if (!warned_of_step_) {
     log_warn(
         "object %u: livegs-v1 %s a substep of %g s (free fall %g m, particle spacing %g m); "
@@ -136,9 +134,7 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
         const Vector3d correction =
             contact_correction(normal, depth_m, predicted_m_[i] - positions_m_[i], friction);
         predicted_m_[i] += correction;
-        const double impulse_n_s = masses_kg_[i] * correction.norm() / h;
-        contact_total_.impulse_n_s += impulse_n_s;
-        contact_total_.moment += impulse_n_s * (origin_m_ + predicted_m_[i]);
+        record_contact_impulse(origin_m_ + predicted_m_[i], masses_kg_[i] * correction.norm() / h);
       };
       const Vector3d displacement = predicted_m_[i] - positions_m_[i];
       if (displacement.norm() > kMaxUnsweptSpacings * spacing_m_) {
@@ -162,7 +158,8 @@ void LivegsV1Body::end_frame(double frame_s) {
   orientation_ = centre_pose().orientation;
   double fastest = 0.0;
   for (const Vector3d& v : velocities_m_s_) fastest = std::max(fastest, v.squaredNorm());
-  if (sleep_timer_.tick(frame_s, std::sqrt(fastest), supported_, forced_)) sleep();
+  // Larger than 0.02 m/s: slow motion may stop.
+  if (sleep_timer_.tick(frame_s, std::sqrt(fastest) < 0.02 && supported_ && !forced_)) sleep();
 }
 
 }  // namespace livegs

@@ -13,8 +13,6 @@ using Eigen::Vector3d;
 
 // Minimum compliance left by the compensation, relative to the material's compliance.
 constexpr double kMinComplianceRatio = 0.02;
-// Value of alpha_lambda / A0 for a material without lambda; disables its volume row.
-constexpr double kFreeVolumeCompliance = 1e12;
 
 // One Gauss-Seidel sweep from zero multipliers leaves a cell too soft by k A0, because its neighbours undo
 // part of its correction. k depends on Y, the compliance of the material relative to that of the nodes.
@@ -77,17 +75,8 @@ Matrix3d from_mandel(const Vector6& v) {
 }
 
 double mode_sign(int mode, int corner) {
-  const double x = corner & 1 ? 1.0 : -1.0, y = corner & 2 ? 1.0 : -1.0, z = corner & 4 ? 1.0 : -1.0;
-  switch (mode) {
-    case 0:
-      return y * z;
-    case 1:
-      return x * z;
-    case 2:
-      return x * y;
-    default:
-      return x * y * z;
-  }
+  const Vector3d sign = corner_sign(corner);
+  return mode == 3 ? sign.prod() : sign[(mode + 1) % 3] * sign[(mode + 2) % 3];
 }
 
 CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m,
@@ -128,9 +117,9 @@ CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, doubl
     a.col(k) = mandel(0.5 * (product + product.transpose()));
   }
   gains.shear = (a + alpha_mu * Matrix6::Identity()).inverse();
-  gains.volume_compliance = material.poisson_ratio > 0.0 && lambda_step > 0.0
-                                ? 1.0 / lambda_step
-                                : kFreeVolumeCompliance * own_mobility;
+  // A material without lambda has no volume row.
+  gains.volume_compliance =
+      material.poisson_ratio > 0.0 && lambda_step > 0.0 ? 1.0 / lambda_step : 1e12 * own_mobility;
 
   const auto stiffness = mode_stiffness(cell, cell_width_m, material);
   for (int j = 0; j < kModeCount; ++j) {

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <vector>
 
+#include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"
 
@@ -35,6 +37,21 @@ struct ResolutionRequest {
 // Maximum Courant number for a body with its whole boundary moved. Cells next to held nodes share a stress
 // unequally, by the square of the step. At this value the interior follows within 2 %.
 inline constexpr double kBoundaryCourant = 0.4;
+
+// Values by material: first the body's own, with a density of mass over volume, then the regions that have a
+// material.
+struct BodyMaterials {
+  std::vector<IsotropicMaterial> elastic;
+  std::vector<double> densities_kg_m3, plasticities;
+};
+BodyMaterials body_materials(const Material& own, std::span<const RegionMaterial> regions, double volume_m3);
+
+// Uses the fastest wave speed of all materials and the largest Poisson's ratio. `boundary_moved`: the whole
+// boundary has a prescribed motion.
+ResolutionRequest resolution_request(const BodyExtent& extent, const BodyMaterials& materials,
+                                     bool boundary_moved, double rate_hz, int substeps);
+// Request of a description, including its cell width if given. Preconditions: those of measure_extent.
+ResolutionRequest resolution_request(const ElasticBodyDescription& description, double rate_hz, int substeps);
 
 struct LatticeResolution {
   double cell_width_m = 0;
@@ -98,16 +115,10 @@ struct ModulusBand {
   double ratio_low, ratio_high;  // E_app / E in tension along the longest side
   double ratio_across = 0.0;     // upper bound in tension or compression across the shortest side; 0: unknown
 };
-// Classification:
-//
-// - exact: Ybar above 4 and above 0.9 / (1 - 2 nu), small end excess; E_app within 5 % measured, 4 %
-//   predicted
-// - band: Ybar down to 1.1; as wide as the measured spread
-// - clipped: below; between 0.45 and 1.1 of the ceiling in long bodies
-// - unknown: too few cells along and too long steps to reach equilibrium under loads at the ends
-//
-// A body whose cells are chosen automatically is never in the last two classes: its E is lowered to the value
-// that eight cells along reproduce exactly, and the body reports this.
+// Exact if Ybar is large and the end excess small; below that a band, as wide as the measured spread; clipped
+// near the ceiling; unknown with too few cells along and too long steps to reach equilibrium under loads at
+// the ends. A body whose cells are chosen automatically is never in the last two classes: its E is lowered to
+// the value that eight cells along reproduce exactly, and the body reports this.
 ModulusBand band_of(const BandRequest& request);
 
 }  // namespace livegs

@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kMinExact = 4.0, kMinExactPerBulk = 0.9, kMinBand = 1.1;
+constexpr double kMinExactPerBulk = 0.9;
 // Half-width of the predicted exact range. With the measurement error, exact bodies are within 5 %
 // (tests/accuracy/tension_test.cpp).
 constexpr double kExactWithin = 0.04;
@@ -41,7 +41,7 @@ double interpolate(const std::array<Point, kCount>& points, double y) {
   return points.back().ratio;
 }
 
-// Lower bounds: up to nu = 0.3, and at nu = 0.45.
+// Lower bounds: up to nu = 0.3, from the least Ybar of a band to that of an exact body; and at nu = 0.45.
 constexpr std::array<Point, 4> kSoftest30 = {{{1.1, 0.84}, {1.39, 0.88}, {2.17, 0.965}, {4.0, 0.97}}};
 constexpr std::array<Point, 5> kSoftest45 = {
     {{1.1, 0.79}, {1.39, 0.82}, {2.17, 0.91}, {3.1, 0.95}, {6.7, 0.98}}};
@@ -107,7 +107,7 @@ ModulusBand band_of(const BandRequest& request) {
   const double y = request.mean_pass_compliance, ends = end_excess(request.courant, request.cells_along);
   const double few = request.cells_across < kMaxRowWidth ? kMinRowCells : kMinBlockCells;
   if (request.cells_along < few && ends > kMaxRestingEndExcess) return {ElasticBand::Unknown, 0.0, 0.0};
-  if (y < kMinBand && request.ceiling_ratio < 1.0) {
+  if (y < kSoftest30.front().y && request.ceiling_ratio < 1.0) {
     const double most = kMaxCeilingRatio * (1.0 + kEndsOverCeiling / request.cells_along);
     const double most_across = kMaxCeilingRatio * (1.0 + kEndsOverCeiling / request.cells_across);
     return {ElasticBand::Clipped, kMinCeilingRatio * request.ceiling_ratio, most * request.ceiling_ratio,
@@ -115,7 +115,8 @@ ModulusBand band_of(const BandRequest& request) {
   }
   const double ends_across = end_excess(request.courant, request.cells_across);
   const double across = 1.0 / (1.0 - std::min(ends_across, kMaxEndCorrection));
-  if (y > kMinExact && y > kMinExactPerBulk / (1.0 - 2.0 * request.poisson_ratio) && ends <= kMaxEndExcess) {
+  if (y > kSoftest30.back().y && y > kMinExactPerBulk / (1.0 - 2.0 * request.poisson_ratio) &&
+      ends <= kMaxEndExcess) {
     return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin, std::max(across, 1.0 + kExactWithin)};
   }
   const double inside = stiffest(y, request.cells_across);

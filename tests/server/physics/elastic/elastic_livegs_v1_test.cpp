@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The baseline solver follows the paper, including its known defects: the blend is not a stiffness, and
 // plastic flow depends on the substep.
-#include "physics/elastic/livegs_v1/livegs_v1_plasticity.h"
+#include "physics/elastic/livegs_v1/livegs_v1_body.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/lattice/virtual_nodes.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +6,7 @@
 #include <set>
 
 #include "common/skin/kernels/rest_bodies.h"
-#include "physics/lattice/box_links.h"
-#include "physics/lattice/lattice.h"
+#include "physics/lattice/build_lattice.h"
 #include "scenes/elastic_bodies.h"
 #include "server/physics/lattice/lattice_statics.h"
 #include "skin/kernels/cell_fill.h"

@@ -3,8 +3,8 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/build/elastic_report.h"
+#include "scene/build/share_elastic_budget.h"
 #include "scene/scene.h"
 
 namespace livegs {

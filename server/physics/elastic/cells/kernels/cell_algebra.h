@@ -71,7 +71,6 @@ LIVEGS_INLINE Lanes determinant(const Matrix& a) {
 // kMaxTurn_rad.
 constexpr float kMaxTurn_rad = 0.5f;
 constexpr float kTurnTolerance_rad = 0.05f;  // the remaining error is about its cube
-constexpr int kMaxTurns = 8;
 
 LIVEGS_INLINE Lanes turn(Lanes (&q)[4], const Matrix& m) {
   const Lanes tau[3] = {m.m[2][1] - m.m[1][2], m.m[0][2] - m.m[2][0], m.m[1][0] - m.m[0][1]};
@@ -117,11 +116,9 @@ LIVEGS_INLINE Lanes turn(Lanes (&q)[4], const Matrix& m) {
   return length;
 }
 
-constexpr float kRoot2 = 1.41421356237309504880f, kHalfRoot2 = 0.70710678118654752440f;
-
 // sym(s G) in Mandel's notation.
 LIVEGS_INLINE Symmetric times_mobility(const Symmetric& s, const Lanes (&g)[6]) {
-  const Lanes down = all_lanes(kHalfRoot2), up = all_lanes(kHalfRoot2);
+  const Lanes down = all_lanes(static_cast<float>(M_SQRT1_2)), up = all_lanes(static_cast<float>(M_SQRT1_2));
   const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
   const Lanes rows[3][3] = {{s.v[0], xy, xz}, {xy, s.v[1], yz}, {xz, yz, s.v[2]}};
   const Lanes cols[3][3] = {{g[0], g[5], g[4]}, {g[5], g[1], g[3]}, {g[4], g[3], g[2]}};
@@ -156,7 +153,7 @@ LIVEGS_INLINE Lanes dot(const Symmetric& a, const Symmetric& b) {
 
 // Cofactor matrix and determinant of a symmetric matrix, in Mandel notation.
 LIVEGS_INLINE Symmetric cofactor(const Symmetric& s, Lanes& det) {
-  const Lanes down = all_lanes(kHalfRoot2), up = all_lanes(kRoot2);
+  const Lanes down = all_lanes(static_cast<float>(M_SQRT1_2)), up = all_lanes(static_cast<float>(M_SQRT2));
   const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
   const Lanes c00 = s.v[1] * s.v[2] - yz * yz, c01 = xz * yz - xy * s.v[2], c02 = xy * yz - s.v[1] * xz;
   det = s.v[0] * c00 + xy * c01 + xz * c02;
@@ -168,7 +165,7 @@ LIVEGS_INLINE Symmetric cofactor(const Symmetric& s, Lanes& det) {
 LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Matrix& m) {
   r = matrix_of(q);
   m = transposed_times(r, f);
-  for (int i = 0; i < kMaxTurns; ++i) {
+  for (int i = 0; i < 8; ++i) {
     const Lanes angle = turn(q, m);
     r = matrix_of(q);
     m = transposed_times(r, f);
@@ -178,7 +175,7 @@ LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Ma
 
 // Returns S (Mandel), with I - S in `lack` and det F in `volume`.
 LIVEGS_INLINE Symmetric strain_of(const Matrix& m, Symmetric& lack, Lanes& volume) {
-  const Lanes one = all_lanes(1.0f), up = all_lanes(kHalfRoot2);
+  const Lanes one = all_lanes(1.0f), up = all_lanes(static_cast<float>(M_SQRT1_2));
   const Symmetric s = {{m.m[0][0], m.m[1][1], m.m[2][2], up * (m.m[1][2] + m.m[2][1]),
                         up * (m.m[0][2] + m.m[2][0]), up * (m.m[0][1] + m.m[1][0])}};
   for (int k = 0; k < 3; ++k) lack.v[k] = one - s.v[k];
@@ -188,7 +185,7 @@ LIVEGS_INLINE Symmetric strain_of(const Matrix& m, Symmetric& lack, Lanes& volum
 }
 
 LIVEGS_INLINE Matrix matrix_of_mandel(const Symmetric& s) {
-  const Lanes down = all_lanes(kHalfRoot2);
+  const Lanes down = all_lanes(static_cast<float>(M_SQRT1_2));
   const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
   return {{{s.v[0], xy, xz}, {xy, s.v[1], yz}, {xz, yz, s.v[2]}}};
 }

@@ -103,9 +103,8 @@ struct Worst {
   Lanes strain, bent, volume;
 };
 
-// A fold leaves no strain at the centroid. Bending therefore counts as the strain of a full cell's faces, 4
-// |q| / a for an amplitude q.
-constexpr float kBendingStrain = 256.0f;  // over (4 a)²
+// A fold leaves no strain at the centroid. Bending therefore counts as the strain of a full cell's faces: its
+// square is (4 q / a)² for an amplitude q, 256 q² over (4 a)². The sums by corner signs are 8 q.
 template <class Mask>
 LIVEGS_INLINE void report(Mask used, Lanes strain, Lanes bending, Lanes volume, Worst& worst) {
   const Lanes bent = strain + bending;
@@ -184,8 +183,8 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Ga
       bent += turned * turned;
     }
   }
-  report(inverse_mass[0] > all_lanes(0.0f), dot(lack, lack),
-         all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
+  report(inverse_mass[0] > all_lanes(0.0f), dot(lack, lack), all_lanes(256.0f / 64.0f) * q4 * q4 * bent,
+         volume, worst);
   Lanes out[3][8];
   to_corners(r, coefficient, out);
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
@@ -240,7 +239,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   }
   // Unused lanes have F = 0 and no stiffness; they are excluded from the report.
   report(cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f), dot(lack, lack),
-         all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
+         all_lanes(256.0f / 64.0f) * q4 * q4 * bent, volume, worst);
 
   Lanes out[3][8];
   pull_corners(r, stress, eta, cells.centroid, q4, out);
@@ -262,7 +261,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   if (kPlastic) {
     for (int k = 0; k < 6; ++k) lack.v[k] = plastic->part[k] - s.v[k];
   }
-  Lanes lacking[kThinMeasures], impulse[kThinMeasures], modes[4][3];
+  Lanes lacking[18], impulse[18], modes[4][3];
   for (int k = 0; k < 6; ++k) lacking[k] = lack.v[k];
   for (int j = 0; j < 4; ++j) {
     const int k = kModeIndex[j];
@@ -275,16 +274,16 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     }
   }
   Lanes bent = all_lanes(0.0f);
-  for (int k = 6; k < kThinMeasures; ++k) bent += lacking[k] * lacking[k];
+  for (int k = 6; k < 18; ++k) bent += lacking[k] * lacking[k];
   const auto used = cells.mobility > all_lanes(0.0f);
   const Lanes strain = dot(lack, lack) + cells.fold * bent;
   report(used, strain, all_lanes(0.0f), volume, worst);
 
-  for (int i = 0; i < kThinMeasures; ++i) impulse[i] = all_lanes(0.0f);
+  for (int i = 0; i < 18; ++i) impulse[i] = all_lanes(0.0f);
   const Lanes* gain = gains.gain;
-  for (int i = 0; i < kThinMeasures; ++i) {
+  for (int i = 0; i < 18; ++i) {
     Lanes sum = *gain++ * lacking[i];
-    for (int j = i + 1; j < kThinMeasures; ++j) {
+    for (int j = i + 1; j < 18; ++j) {
       sum += *gain * lacking[j];
       impulse[j] += *gain++ * lacking[i];
     }
@@ -296,8 +295,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
   for (int j = 0; j < 4; ++j)
     add_cross(modes[j], {impulse[6 + 3 * j], impulse[7 + 3 * j], impulse[8 + 3 * j]}, torque);
-  add_turning_force(m, torque, dot(lack, lack) + all_lanes(kBendingStrain) * q4 * q4 * bent, cells.mobility,
-                    stress);
+  add_turning_force(m, torque, dot(lack, lack) + all_lanes(256.0f) * q4 * q4 * bent, cells.mobility, stress);
   Lanes eta[4][3];
   for (int j = 0; j < 4; ++j) {
     for (int d = 0; d < 3; ++d) eta[j][d] = all_lanes(0.125f) * impulse[6 + 3 * j + d];
@@ -311,8 +309,8 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
 
 GaussSeidelReport gauss_seidel_pass(const GaussSeidelArrays& arrays, const CellColours& colours) {
   Worst worst{all_lanes(0.0f), all_lanes(0.0f), all_lanes(1.0f)};
-  for (int i = 0; i < kCellColours; ++i) {
-    const int colour = arrays.backward ? kCellColours - 1 - i : i;
+  for (int i = 0; i < 16; ++i) {
+    const int colour = arrays.backward ? 15 - i : i;
     for (size_t k = colours.full_begin[colour]; k < colours.full_begin[colour + 1]; ++k) {
       if (arrays.paired) {
         solve_full<true>(arrays.full[k], arrays.full_gains, arrays, worst);

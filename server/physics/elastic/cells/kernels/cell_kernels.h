@@ -54,18 +54,15 @@ struct CutGains {
   Lanes volume_compliance;
   Lanes mode[4][3];
 };
-// Impulses are -gain times the measures of the cell: mean strain (Mandel), then the mode amplitudes.
-inline constexpr int kThinMeasures = 18;
+// Impulses are -gain times the 18 measures of the cell: mean strain (Mandel), then the mode amplitudes.
 struct ThinGains {
-  Lanes gain[kThinMeasures * (kThinMeasures + 1) / 2];  // upper triangle by rows
+  Lanes gain[18 * 19 / 2];  // upper triangle by rows
 };
 
 // Colours are swept in ascending order, or in descending order with `backward`: a fixed order causes a
 // sideways drift.
-inline constexpr int kCellColours = 16;  // equals kLatticeColours
 struct CellColours {
-  // Batch ranges by colour.
-  size_t full_begin[kCellColours + 1], cut_begin[kCellColours + 1], thin_begin[kCellColours + 1];
+  size_t full_begin[17], cut_begin[17], thin_begin[17];  // batch ranges by colour
 };
 struct GaussSeidelArrays {
   const NodeLanes* predicted = nullptr;

@@ -9,6 +9,13 @@ LIVEGS_INLINE void flush(double (&sum)[3], Lanes& part) {
   part = all_lanes(0.0f);
 }
 
+// Two nodes.
+LIVEGS_INLINE Lanes load(const NodeLanes* nodes) { return pair_of(nodes[0], nodes[1]); }
+LIVEGS_INLINE void store(Lanes values, NodeLanes* nodes) {
+  nodes[0] = low_half(values);
+  nodes[1] = high_half(values);
+}
+
 LIVEGS_INLINE Lanes twice(NodeLanes a) { return pair_of(a, a); }
 
 }  // namespace
@@ -22,10 +29,10 @@ void predict_nodes(const NodeArrays& nodes, const PredictStep& step) {
   typedef int Mask __attribute__((vector_size(32)));
   const Mask xyz = {-1, -1, -1, 0, -1, -1, -1, 0};
   for (size_t i = 0; i < nodes.count; i += 2) {
-    const Lanes x = pair_of(nodes.position[i], nodes.position[i + 1]);
-    const Lanes x_before = pair_of(nodes.predicted[i], nodes.predicted[i + 1]);
-    Lanes v = pair_of(nodes.velocity[i], nodes.velocity[i + 1]);
-    const Lanes v_before = pair_of(nodes.predicted_velocity[i], nodes.predicted_velocity[i + 1]);
+    const Lanes x = load(nodes.position + i);
+    const Lanes x_before = load(nodes.predicted + i);
+    Lanes v = load(nodes.velocity + i);
+    const Lanes v_before = load(nodes.predicted_velocity + i);
     const Lanes r = x - centre;
     const Lanes inverse_mass = __builtin_shufflevector(x, x, 3, 3, 3, 3, 7, 7, 7, 7);
     const Mask free = (inverse_mass > zero) & xyz;
@@ -39,14 +46,10 @@ void predict_nodes(const NodeArrays& nodes, const PredictStep& step) {
     const Lanes predicted = free ? carried : zero;
     const Lanes y = x + (free ? memory * (x - x_before) + step_s * predicted : zero);
     const Lanes out = xyz ? predicted : v;
-    nodes.velocity[i] = low_half(v);
-    nodes.velocity[i + 1] = high_half(v);
-    nodes.predicted_velocity[i] = low_half(out);
-    nodes.predicted_velocity[i + 1] = high_half(out);
-    nodes.predicted[i] = low_half(y);
-    nodes.predicted[i + 1] = high_half(y);
-    nodes.corrections[i] = low_half(zero);
-    nodes.corrections[i + 1] = low_half(zero);
+    store(v, nodes.velocity + i);
+    store(out, nodes.predicted_velocity + i);
+    store(y, nodes.predicted + i);
+    store(zero, nodes.corrections + i);
   }
 }
 
@@ -54,12 +57,10 @@ float shift_nodes(const NodeArrays& nodes, NodeLanes by, NodeLanes centre) {
   const Lanes both = twice(by), middle = twice(centre);
   Lanes furthest = all_lanes(0.0f);
   for (size_t i = 0; i < nodes.count; i += 2) {
-    const Lanes x = pair_of(nodes.position[i], nodes.position[i + 1]) + both;
-    const Lanes before = pair_of(nodes.predicted[i], nodes.predicted[i + 1]) + both;
-    nodes.position[i] = low_half(x);
-    nodes.position[i + 1] = high_half(x);
-    nodes.predicted[i] = low_half(before);
-    nodes.predicted[i + 1] = high_half(before);
+    const Lanes x = load(nodes.position + i) + both;
+    const Lanes before = load(nodes.predicted + i) + both;
+    store(x, nodes.position + i);
+    store(before, nodes.predicted + i);
     const Lanes r = x - middle, square = r * r;
     const Lanes sum = square + __builtin_shufflevector(square, square, 1, 2, 0, 3, 5, 6, 4, 7) +
                       __builtin_shufflevector(square, square, 2, 0, 1, 3, 6, 4, 5, 7);
@@ -70,22 +71,20 @@ float shift_nodes(const NodeArrays& nodes, NodeLanes by, NodeLanes centre) {
 
 void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums) {
   const Lanes rate = all_lanes(1.0f / step_s), zero = all_lanes(0.0f);
-  constexpr size_t kBlock = 32;  // nodes summed in single precision before the addition to the double sums
+  const size_t block = 32;  // nodes summed in single precision before the addition to the double sums
   sums = NodeSums{};
-  for (size_t begin = 0; begin < nodes.count; begin += kBlock) {
-    const size_t end = begin + kBlock < nodes.count ? begin + kBlock : nodes.count;
+  for (size_t begin = 0; begin < nodes.count; begin += block) {
+    const size_t end = begin + block < nodes.count ? begin + block : nodes.count;
     Lanes mass_position = zero, momentum = zero, angular = zero, before = zero, squares = zero,
           products = zero;
     Lanes kinetic = zero;
     for (size_t i = begin; i < end; i += 2) {
-      const Lanes d = pair_of(nodes.corrections[i], nodes.corrections[i + 1]);
-      const Lanes x = pair_of(nodes.predicted[i], nodes.predicted[i + 1]) + d;
-      const Lanes v = pair_of(nodes.predicted_velocity[i], nodes.predicted_velocity[i + 1]) + rate * d;
-      const Lanes v_before = pair_of(nodes.velocity[i], nodes.velocity[i + 1]);
-      nodes.predicted[i] = low_half(x);
-      nodes.predicted[i + 1] = high_half(x);
-      nodes.predicted_velocity[i] = low_half(v);
-      nodes.predicted_velocity[i + 1] = high_half(v);
+      const Lanes d = load(nodes.corrections + i);
+      const Lanes x = load(nodes.predicted + i) + d;
+      const Lanes v = load(nodes.predicted_velocity + i) + rate * d;
+      const Lanes v_before = load(nodes.velocity + i);
+      store(x, nodes.predicted + i);
+      store(v, nodes.predicted_velocity + i);
       const Lanes mass = __builtin_shufflevector(v, v, 3, 3, 3, 3, 7, 7, 7, 7);
       const Lanes mv = mass * v, mx = mass * x;
       mass_position += mx;
@@ -100,12 +99,8 @@ void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums) {
     flush(sums.momentum, momentum);
     flush(sums.angular, angular);
     flush(sums.angular_before, before);
-    double both[3] = {};
-    flush(both, squares);
-    for (int d = 0; d < 3; ++d) sums.second[d] += both[d];
-    double mixed[3] = {};
-    flush(mixed, products);
-    for (int d = 0; d < 3; ++d) sums.second[d + 3] += mixed[d];
+    flush(sums.squares, squares);
+    flush(sums.products, products);
     double squared[3] = {};
     flush(squared, kinetic);
     sums.kinetic += 0.5 * (squared[0] + squared[1] + squared[2]);

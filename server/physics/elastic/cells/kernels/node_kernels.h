@@ -40,9 +40,9 @@ void predict_nodes(const NodeArrays& nodes, const PredictStep& step);
 // Sums over all nodes after the step, about the origin of the arrays.
 struct NodeSums {
   double mass_position[3] = {}, momentum[3] = {}, angular[3] = {};
-  double angular_before[3] = {};  // sum m x' x v: velocities before the step at the new positions
-  double second[6] = {};          // sum m times xx, yy, zz, xy, yz, zx
-  double kinetic = 0;             // sum m v'^2 / 2
+  double angular_before[3] = {};             // sum m x' x v: velocities before the step at the new positions
+  double squares[3] = {}, products[3] = {};  // sum m times xx, yy, zz; xy, yz, zx
+  double kinetic = 0;                        // sum m v'^2 / 2
 };
 void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shared budget of all elastic bodies of a scene (elastic_budget.h).
-#include "physics/elastic/resolution/elastic_budget.h"
+// The shared budget of all elastic bodies of a scene (share_elastic_budget.h).
+#include "scene/build/share_elastic_budget.h"
 
 #include <gtest/gtest.h>
 
