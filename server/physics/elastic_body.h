@@ -31,7 +31,7 @@ struct RigidProxy;
 struct SurfacePatch;  // collision/surface_points.h
 
 // Default budget of node-substeps (nodes times substeps, summed) per frame for the elastic bodies of a scene.
-// elastic_budget.h has the time that one node-substep takes. A larger budget allows finer cells and costs
+// kNodeSubstep_ms (server/scene) is the time that one takes. A larger budget allows finer cells and costs
 // time in proportion.
 inline constexpr double kMaxNodeSubsteps = 250e3;
 
@@ -60,7 +60,7 @@ struct ElasticBodyDescription {
   std::vector<BodyRegion> regions;  // where materials overlap, the later region applies
   double cell_width_m = 0.0;        // 0: chosen from the material and the rate (lattice_resolution.h)
   int substeps = 0;                 // per frame, a multiple of the scene's; 0: chosen
-  // Per frame (elastic_budget.h); not applied if cell_width_m is given.
+  // Per frame (share_elastic_budget.h); not applied if cell_width_m is given.
   double max_node_substeps = kMaxNodeSubsteps;
   bool own_budget = false;  // max_node_substeps is the body's own, not a part of the scene's
   double scene_node_substeps = kMaxNodeSubsteps;  // budget of the whole scene; only for the report

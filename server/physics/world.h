@@ -39,7 +39,7 @@ struct WorldSettings {
   int substeps = 4;       // per tick; raised to min_substeps() if fewer
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
-  // Per tick, all elastic bodies together (elastic_budget.h).
+  // Per tick, all elastic bodies together (share_elastic_budget.h).
   double elastic_node_substeps = kMaxNodeSubsteps;
 };
 

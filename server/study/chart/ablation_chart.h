@@ -35,8 +35,8 @@ struct AblationPair {
   AblationRun without, with;
 };
 
-// Runs each scene without each mechanism that can act on its bodies, or only without `only`, and directly
-// after it with all of them, so that a slow machine slows both. `progress` is called
+// Runs each scene without each mechanism that can act on its bodies, or only without `only`, and every few
+// runs with all of them, so that a slow machine slows both. `progress` is called
 // before each pair with the number of finished pairs, the total, the scene and the name of the mechanism.
 // Precondition: no world exists.
 std::vector<AblationPair> run_ablation(

@@ -92,7 +92,7 @@ std::vector<Measurement> fast_plate(StabilityRun& run) {
     ++shots;
   };
   for (const double speed_m_s : {15.0, 30.0, 45.0, 60.0, 100.0}) {
-    for (int aim = 0; aim < 240; ++aim) {
+    for (int aim = 0; aim < 150; ++aim) {
       RigidBodyDescription thing = aim % 3 == 0   ? rigid_body(2, box_mesh({0.1, 0.002, 0.06}), 0.1)
                                    : aim % 3 == 1 ? rigid_body(2, box_mesh({0.01, 0.3, 0.01}), 0.1)
                                                   : rigid_body(2, sphere_mesh(kBall_m, 3), 0.5);
