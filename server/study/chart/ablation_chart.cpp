@@ -218,7 +218,7 @@ Result<void> draw_ablation(const std::vector<AblationEffect>& effects, const std
     double& cell = cells[{one.scene, one.without}];
     if (std::abs(one.worse_bars()) > std::abs(cell)) cell = one.worse_bars();
   }
-  const size_t width = 260 + 24 * columns.size(), height = 240 + 20 * summaries.size();
+  const size_t width = 360 + 24 * columns.size(), height = 240 + std::max<size_t>(160, 20 * summaries.size());
   return draw_with_gnuplot(svg, width, height, [&](std::FILE* out) {
     std::fprintf(
         out,
@@ -227,7 +227,7 @@ Result<void> draw_ablation(const std::vector<AblationEffect>& effects, const std
         "set cbtics ('100 better' -2, '10' -1.47, '1' -0.93, '0' 0, '1' 0.93, '10' 1.47, '100 worse' 2)\n"
         "set xrange [-0.5:%g]\nset yrange [%g:-0.5]\nset xtics rotate by 60 right font ',10' nomirror "
         "scale 0\nset ytics font ',10' nomirror scale 0\nset grid front lt 1 lc rgb '#dddddd'\n"
-        "unset key\nset bmargin 12\nset lmargin 28\n",
+        "unset key\nset bmargin 12\nset lmargin 28\nset rmargin 18\n",
         static_cast<double>(columns.size()) - 0.5, static_cast<double>(summaries.size()) - 0.5);
     std::fprintf(out, "set xtics (");
     for (size_t i = 0; i < columns.size(); ++i)
