@@ -18,7 +18,7 @@ double drift_of(const Vector3d& now, const Vector3d& before) { return (now - bef
 }  // namespace
 
 std::vector<Measurement> soft_landing(StabilityRun& run) {
-  constexpr double kMostTime_s = 12.0;
+  constexpr double kMaxTime_s = 12.0;
   struct Fall {
     TriangleMesh mesh;
     double youngs_modulus_pa, poisson_ratio;
@@ -37,7 +37,7 @@ std::vector<Measurement> soft_landing(StabilityRun& run) {
     body.world_from_object.orientation = Eigen::AngleAxisd(0.5, Vector3d(1, 0, 0.5).normalized());
     if (!world.add_elastic(body)) return {};
     const double start_j = total_j(world.energy());
-    run.step(world, kMostTime_s, [&] {
+    run.step(world, kMaxTime_s, [&] {
       gain = std::max(gain, total_j(world.energy()) / start_j - 1.0);
       awake_s += 1.0 / run.rate_hz();
       return !world.elastic_body(1)->asleep();

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMostTime_s = 12.0;
+constexpr double kMaxTime_s = 12.0;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ std::vector<Measurement> resting_block(StabilityRun& run) {
   block.world_from_object.position_m = {0, 0.15, 0};
   if (!world.add_elastic(block)) return {};
   double awake_s = 0.0;
-  run.step(world, kMostTime_s, [&] {
+  run.step(world, kMaxTime_s, [&] {
     awake_s += 1.0 / run.rate_hz();
     return !world.elastic_body(1)->asleep();
   });
@@ -70,7 +70,7 @@ std::vector<Measurement> loaded_pillow(StabilityRun& run) {
     RigidBodyDescription box = rigid_body(2, box_mesh({0.2, 0.15, 0.15}), load.mass_kg);
     box.world_from_object.position_m = {0.02, 0.176, 0};
     if (!world.add_elastic(pillow) || !world.add_rigid(box)) return {};
-    run.step(world, kMostTime_s, [&] {
+    run.step(world, kMaxTime_s, [&] {
       awake_s += 1.0 / 3.0 / run.rate_hz();
       return !world.elastic_body(1)->asleep() || !body_of(world, 2).asleep;
     });
