@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/parallel_for.h"
+#include "geometry/field/point_grid.h"
 #include "geometry/fracture/fracture_seeds.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/surface/hollow_mesh.h"
@@ -179,7 +180,10 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
   for (const Eigen::Vector3d& vertex : shape.mesh.vertices_m) {
     shape.bounding_radius_m = std::max(shape.bounding_radius_m, vertex.norm());
   }
-  // Takes a prefix of each list within the limit of contact points.
+  // Takes a prefix of each list within the limit of contact points. Faces have their common corners in
+  // common.
+  shape.contact_spacing_m = kContactPointSpacing * (shape.max_m - shape.min_m).maxCoeff();
+  PointGrid taken({shape.min_m, shape.max_m}, shape.contact_spacing_m);
   const size_t most = std::max<size_t>(1, kMaxContactPoints / members.size());
   for (const uint32_t member : members) {
     size_t left = most;
@@ -187,12 +191,16 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
       if (within(face.bond)) continue;
       const size_t share = face.bond == kNoBond ? most * 3 / 4 + 1 : most / 4 + 1;
       const size_t count = std::min({left, share, face.points_m.size()});
-      for (size_t i = 0; i < count; ++i) shape.contact_points_m.push_back(face.points_m[i] - centre_m);
+      for (size_t i = 0; i < count; ++i) {
+        const Eigen::Vector3d point = face.points_m[i] - centre_m;
+        if (taken.has_neighbour_within(point, 1e-3 * shape.contact_spacing_m)) continue;
+        taken.insert(point);
+        shape.contact_points_m.push_back(point);
+      }
       left -= count;
     }
   }
   shape.contact_tree = BoundingSphereTree(shape.contact_points_m);
-  shape.contact_spacing_m = kContactPointSpacing * (shape.max_m - shape.min_m).maxCoeff();
   shape.inner_radius_m = inner_radius_m(shape);
   return shape;
 }

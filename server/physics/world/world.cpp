@@ -116,7 +116,9 @@ void World::State::list_bodies() {
   rigid_bodies.clear();
   broad_phase.invalidate();
   elastic_objects.clear();
+  listed_objects.clear();
   for (auto& [id, object] : objects) {
+    listed_objects.emplace_back(id, &object);
     if (RigidObject* rigid = object.rigid()) {
       for (const auto& body : rigid->bodies) rigid_bodies.push_back(body.get());
     }

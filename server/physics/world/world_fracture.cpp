@@ -205,8 +205,8 @@ double World::State::local_energy_loss_j(const RigidBody& body) const {
 
 void World::State::process_impacts() {
   bool broke = false;
-  for (auto& [id, thing] : objects) {
-    RigidObject* object = thing.rigid();
+  for (const auto& [id, thing] : listed_objects) {
+    RigidObject* object = thing->rigid();
     if (!object) continue;
     const size_t count = object->bodies.size();
     for (uint32_t index = 0; index < count; ++index) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -141,6 +142,7 @@ struct World::State {
   StepTimes times;
 
   // Views of `objects` in ascending id, rebuilt when it changes.
+  std::vector<std::pair<uint32_t, WorldObject*>> listed_objects;  // faster to go through than the map
   std::vector<RigidBody*> rigid_bodies;
   std::vector<ElasticObject*> elastic_objects;
   std::vector<RigidLoad> loads;

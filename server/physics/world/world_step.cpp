@@ -128,8 +128,8 @@ void World::State::report_contacts() {
       events.push_back({tick, WorldEventKind::Contact, id, impulse, moment / impulse});
     }
   };
-  for (auto& [id, object] : objects) {
-    if (RigidObject* rigid = object.rigid()) {
+  for (const auto& [id, object] : listed_objects) {
+    if (RigidObject* rigid = object->rigid()) {
       double impulse = 0.0;
       Eigen::Vector3d moment = Eigen::Vector3d::Zero();
       for (const auto& body : rigid->bodies) {
@@ -138,7 +138,7 @@ void World::State::report_contacts() {
         moment += std::exchange(body->external_contact_moment, Eigen::Vector3d::Zero());
       }
       report(id, impulse, moment);
-    } else if (ElasticObject* elastic = object.elastic()) {
+    } else if (ElasticObject* elastic = object->elastic()) {
       const ContactTotal total = elastic->body->take_contact_total();
       elastic->last_tick_contact_impulse_n_s = total.impulse_n_s;
       report(id, total.impulse_n_s, total.moment);
@@ -147,14 +147,14 @@ void World::State::report_contacts() {
 }
 
 void World::State::report_sleep() {
-  for (auto& [id, object] : objects) {
-    const bool asleep = object.asleep();
-    if (asleep == object.reported_asleep) continue;
-    object.reported_asleep = asleep;
+  for (const auto& [id, object] : listed_objects) {
+    const bool asleep = object->asleep();
+    if (asleep == object->reported_asleep) continue;
+    object->reported_asleep = asleep;
     WorldEvent event{tick, asleep ? WorldEventKind::Sleep : WorldEventKind::Wake, id};
-    if (const RigidObject* rigid = object.rigid())
+    if (const RigidObject* rigid = object->rigid())
       event.point_m = rigid->bodies[0]->world_from_body.position_m;
-    if (const ElasticObject* elastic = object.elastic()) event.point_m = elastic->body->centre_m();
+    if (const ElasticObject* elastic = object->elastic()) event.point_m = elastic->body->centre_m();
     events.push_back(event);
   }
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "physics/collision/contact_candidate.h"
@@ -52,15 +53,145 @@ Chosen spread_points(Chosen group, double equal_depth_m) {
   const Eigen::Vector3d normal = chosen[0]->normal;
   choose([&](const ContactCandidate& c) { return weight(c) * (c.point_m - first).squaredNorm(); });
   if (chosen.size() < 2) return chosen;
-  const Eigen::Vector3d along = chosen[1]->point_m - first;
-  // Twice the signed area of the triangle with the first two points; nearly collinear points count as
-  // collinear.
-  const auto side = [&](const ContactCandidate& c) {
-    const double area = normal.dot(along.cross(c.point_m - first));
-    return std::abs(area) > 1e-3 * along.squaredNorm() ? area : 0.0;
+  // Twice the signed area of a triangle with a candidate; nearly collinear points count as collinear.
+  const auto area = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const ContactCandidate& c) {
+    const double size = normal.dot((b - a).cross(c.point_m - a));
+    return std::abs(size) > 1e-3 * (b - a).squaredNorm() ? size : 0.0;
   };
-  choose([&](const ContactCandidate& c) { return weight(c) * std::max(0.0, side(c)); });
-  choose([&](const ContactCandidate& c) { return weight(c) * std::max(0.0, -side(c)); });
+  const Eigen::Vector3d second = chosen[1]->point_m;
+  choose([&](const ContactCandidate& c) { return weight(c) * std::abs(area(first, second, c)); });
+  if (chosen.size() < 3) return chosen;
+  const Eigen::Vector3d third = chosen[2]->point_m;
+  const double turn = area(first, second, *chosen[2]) > 0.0 ? -1.0 : 1.0;
+  choose([&](const ContactCandidate& c) {
+    const double beyond = std::max(
+        {turn * area(first, second, c), turn * area(second, third, c), turn * area(third, first, c)});
+    return weight(c) * std::max(0.0, beyond);
+  });
+  return chosen;
+}
+
+// Three candidates, and the plane of their separations over the contact plane.
+struct Facet {
+  std::array<const ContactCandidate*, 3> corners;
+  Eigen::Vector3d normal;  // of the contact plane
+
+  // Shares of the corners in a point of their plane, negative outside; not finite if the corners are
+  // collinear.
+  Eigen::Vector3d shares(const Eigen::Vector3d& at_m) const {
+    const Eigen::Vector3d &a = corners[0]->point_m, &b = corners[1]->point_m, &c = corners[2]->point_m;
+    const auto area = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& r) {
+      return normal.dot((q - p).cross(r - p));
+    };
+    return Eigen::Vector3d(area(at_m, b, c), area(a, at_m, c), area(a, b, at_m)) / area(a, b, c);
+  }
+  bool contains(const Eigen::Vector3d& at_m) const { return shares(at_m).minCoeff() >= 0.0; }
+  double height_m(const ContactCandidate& candidate) const {
+    return candidate.separation_m -
+           shares(candidate.point_m)
+               .dot(Eigen::Vector3d(corners[0]->separation_m, corners[1]->separation_m,
+                                    corners[2]->separation_m));
+  }
+};
+
+// Facet below `centre_m` with `first` as a corner; nullopt if all candidates are on one side of the centre.
+std::optional<Facet> facet_around(const Chosen& group, const ContactCandidate* first,
+                                  const Eigen::Vector3d& centre_m) {
+  const Eigen::Vector3d normal = first->normal;
+  const Eigen::Vector3d from = first->point_m - centre_m;
+  const ContactCandidate *left = nullptr, *right = nullptr;
+  double left_cosine = 1.0, right_cosine = 1.0;
+  const Eigen::Vector3d ahead = (from - normal * normal.dot(from)).normalized();
+  for (const ContactCandidate* candidate : group) {
+    Eigen::Vector3d to = candidate->point_m - centre_m;
+    to -= normal * normal.dot(to);
+    const double sine = normal.dot(ahead.cross(to)), cosine = ahead.dot(to) / to.norm();
+    if (sine > 0.0 && cosine < left_cosine) left = candidate, left_cosine = cosine;
+    if (sine < 0.0 && cosine < right_cosine) right = candidate, right_cosine = cosine;
+  }
+  if (!left || !right) return std::nullopt;
+  const Facet facet{{first, left, right}, normal};
+  return facet.contains(centre_m) ? std::optional(facet) : std::nullopt;
+}
+
+// Mean of the candidates, by how near they are to touching.
+Eigen::Vector3d near_mean_m(const Chosen& group, double equal_depth_m) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double weight = 0.0;
+  for (const ContactCandidate* candidate : group) {
+    const double share =
+        1.0 / (1.0 + std::max(0.0, candidate->separation_m - group.front()->separation_m) / equal_depth_m);
+    mean += share * candidate->point_m;
+    weight += share;
+  }
+  return mean / weight;
+}
+
+// The facet of the lower convex hull, of separations over the contact plane, below `centre_m`: the body would
+// rest on it if that is its centre of mass. Found by steps of the simplex method. nullopt if the centre is
+// not above the candidates.
+std::optional<Facet> resting_facet(const Chosen& group, const Eigen::Vector3d& centre_m, double tolerance_m) {
+  std::optional<Facet> facet = facet_around(group, group.front(), centre_m);
+  bool lowest = !facet;
+  for (size_t step = 0; step < group.size() && !lowest; ++step) {
+    const auto height_m = [&](const ContactCandidate* candidate) { return facet->height_m(*candidate); };
+    const ContactCandidate* below = *std::ranges::min_element(group, {}, height_m);
+    lowest = true;
+    if (!(height_m(below) < -tolerance_m)) break;
+    // It replaces the corner without which the facet is still below the centre.
+    for (size_t i = 0; i < 3 && lowest; ++i) {
+      Facet next = *facet;
+      next.corners[i] = below;
+      if (!next.contains(centre_m)) continue;
+      facet = next;
+      lowest = false;
+    }
+  }
+  return facet;
+}
+
+// Whether the centre is above the area that the points span.
+bool supports(const Chosen& points, const Eigen::Vector3d& normal, const Eigen::Vector3d& centre_m) {
+  for (size_t a = 0; a < points.size(); ++a) {
+    for (size_t b = a + 1; b < points.size(); ++b) {
+      for (size_t c = b + 1; c < points.size(); ++c) {
+        if (Facet{{points[a], points[b], points[c]}, normal}.contains(centre_m)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Up to four points of `group` (sorted by depth). Widely spread points hold a flat face; under a curved one,
+// points between them touch first. So the face on which the body would rest, within a tolerance, comes first,
+// with the deepest point, about which the body turns now. Otherwise it would sink in, and its correction
+// would feed rocking.
+Chosen choose_points(const Chosen& group, Eigen::Vector3d centre_m, double size_m) {
+  if (group.size() <= kMaxManifoldPoints) return group;
+  const double equal_depth_m = 0.2 * kContactMargin * size_m, tolerance_m = 0.02 * equal_depth_m;
+  const Chosen spread = spread_points(group, equal_depth_m);
+  std::optional<Facet> facet = resting_facet(group, centre_m, tolerance_m);
+  if (!facet) {  // the body tips over, or others hold it too
+    centre_m = near_mean_m(group, equal_depth_m);
+    facet = resting_facet(group, centre_m, tolerance_m);
+  }
+  if (!facet) return spread;
+  Chosen face;
+  for (const ContactCandidate* candidate : group) {
+    if (facet->height_m(*candidate) <= tolerance_m) face.push_back(candidate);
+  }
+  Chosen chosen;
+  if (std::ranges::find(face, group.front()) == face.end()) chosen.push_back(group.front());
+  const auto add = [&](const auto& points) {
+    for (const ContactCandidate* point : points) {
+      if (chosen.size() < kMaxManifoldPoints && std::ranges::find(chosen, point) == chosen.end())
+        chosen.push_back(point);
+    }
+  };
+  const Chosen spread_face = spread_points(face, equal_depth_m);
+  if (!supports(spread_face, facet->normal, centre_m)) add(facet->corners);
+  add(spread_face);
+  add(spread);
   return chosen;
 }
 
@@ -178,7 +309,7 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<Cont
       taken[i] = 1;
       group.push_back(&candidates[i]);
     }
-    Chosen chosen = spread_points(std::move(group), 0.2 * kContactMargin * pair.size_m);
+    Chosen chosen = choose_points(group, body.world_from_body.position_m, pair.size_m);
     std::ranges::sort(chosen, {}, &ContactCandidate::feature_id);
 
     ContactManifold manifold;
