@@ -112,6 +112,7 @@ class CellsBody final : public ElasticBody, public FlatBody {
                                         const Vector3d& rest_centre_m, const Matrix3d& world_from_rest) const;
   void make_surface(const std::vector<SurfacePatch>& patches);
 
+  void hold_node(ConstrainedRegion& held, uint32_t node);
   void hold_regions(const ElasticBodyDescription& description);
   void measure_held_reach();
   bool in_region(const LatticeCell& cell, const BodyRegion& region) const;

@@ -43,6 +43,12 @@ bool CellsBody::in_region(const LatticeCell& cell, const BodyRegion& region) con
   return true;
 }
 
+void CellsBody::hold_node(ConstrainedRegion& held, uint32_t node) {
+  inverse_masses_[node] = 0.0;
+  held.nodes.push_back(node);
+  held.node_rest_m.push_back(lattice_.node_position_m(node));
+}
+
 void CellsBody::hold_regions(const ElasticBodyDescription& description) {
   std::vector<bool> taken(lattice_.node_coordinates.size(), false);
   const std::vector<uint8_t> cells_around = cells_around_nodes(lattice_);
@@ -50,12 +56,14 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
     if (!holds(region)) continue;
     ConstrainedRegion held;
     held.region = region;
+    std::vector<bool> own(taken.size(), false);
     const auto take = [&](uint32_t node) {
-      if (taken[node]) return;
-      taken[node] = true;
-      inverse_masses_[node] = 0.0;
-      held.nodes.push_back(node);
-      held.node_rest_m.push_back(lattice_.node_position_m(node));
+      if (taken[node]) {
+        if (!own[node]) held.nodes_of_others.push_back(node);
+        return;
+      }
+      taken[node] = own[node] = true;
+      hold_node(held, node);
     };
     if (region.boundary) {
       // Takes all boundary nodes, and all nodes of boundary cells that are not full: inner nodes of these
@@ -284,16 +292,22 @@ void CellsBody::hold_particles(double time_s) {
 
 bool CellsBody::release_region(const std::string& name) {
   bool found = false;
-  holding_.held = holding_.moved = false;
   for (ConstrainedRegion& held : holding_.regions) {
-    if (held.region.name == name && !held.released) {
-      found = held.released = true;
-      for (const uint32_t node : held.nodes) inverse_masses_[node] = 1.0;
-    }
-    holding_.held = holding_.held || !held.released;
-    holding_.moved = holding_.moved || (!held.released && held.region.motion);
+    if (held.region.name != name || held.released) continue;
+    found = held.released = true;
+    for (const uint32_t node : held.nodes) inverse_masses_[node] = 1.0;
   }
   if (!found) return false;
+  holding_.held = holding_.moved = false;
+  for (ConstrainedRegion& held : holding_.regions) {
+    if (held.released) continue;
+    holding_.held = true;
+    holding_.moved = holding_.moved || held.region.motion;
+    // Neighbouring regions have the nodes between them in common.
+    for (const uint32_t node : held.nodes_of_others) {
+      if (inverse_masses_[node] > 0.0) hold_node(held, node);
+    }
+  }
   set_masses();
   measure_held_reach();
   restart_motion();  // the last step was not that of a free body

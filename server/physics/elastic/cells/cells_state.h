@@ -87,6 +87,7 @@ struct Plasticity {
 struct ConstrainedRegion {
   BodyRegion region;
   std::vector<uint32_t> nodes;                         // held nodes
+  std::vector<uint32_t> nodes_of_others;               // contained too, but held by regions before this one
   std::vector<NodeSample> particles;                   // particles held individually
   std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
   std::vector<uint32_t> particle_nodes;                // of `particles`
