@@ -180,8 +180,7 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
   for (const Eigen::Vector3d& vertex : shape.mesh.vertices_m) {
     shape.bounding_radius_m = std::max(shape.bounding_radius_m, vertex.norm());
   }
-  // Takes a prefix of each list within the limit of contact points. Faces have their common corners in
-  // common.
+  // Takes a prefix of each list within the limit of contact points. A corner of several faces is taken once.
   shape.contact_spacing_m = kContactPointSpacing * (shape.max_m - shape.min_m).maxCoeff();
   PointGrid taken({shape.min_m, shape.max_m}, shape.contact_spacing_m);
   const size_t most = std::max<size_t>(1, kMaxContactPoints / members.size());

@@ -13,6 +13,12 @@ namespace {
 
 using Chosen = std::vector<const ContactCandidate*>;
 
+// Weight of a candidate: 1 down to the depth `deep_m`, less for shallow ones, so that touching edges win over
+// distant faces.
+double nearness(const ContactCandidate& candidate, double deep_m, double equal_depth_m) {
+  return 1.0 / (1.0 + std::max(0.0, candidate.separation_m - deep_m) / equal_depth_m);
+}
+
 // Selects up to four points that span `group` (sorted by depth). Depths that differ by less than
 // `equal_depth_m` count as equal, so a resting face is supported by its corners. The lowest feature id wins
 // ties. Rounding then has no influence.
@@ -29,9 +35,8 @@ Chosen spread_points(Chosen group, double equal_depth_m) {
   }
   mean /= deep_count;
 
-  // Shallow points have a lower weight, so that touching edges win over distant faces.
   const auto weight = [&](const ContactCandidate& candidate) {
-    return 1.0 / (1.0 + std::max(0.0, candidate.separation_m - deep_m) / equal_depth_m);
+    return nearness(candidate, deep_m, equal_depth_m);
   };
   Chosen chosen;
   const auto choose = [&](const auto& score) {
@@ -114,13 +119,12 @@ std::optional<Facet> facet_around(const Chosen& group, const ContactCandidate* f
   return facet.contains(centre_m) ? std::optional(facet) : std::nullopt;
 }
 
-// Mean of the candidates, by how near they are to touching.
+// Mean of the candidates of `group` (sorted by depth), weighted by their nearness.
 Eigen::Vector3d near_mean_m(const Chosen& group, double equal_depth_m) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double weight = 0.0;
   for (const ContactCandidate* candidate : group) {
-    const double share =
-        1.0 / (1.0 + std::max(0.0, candidate->separation_m - group.front()->separation_m) / equal_depth_m);
+    const double share = nearness(*candidate, group.front()->separation_m, equal_depth_m);
     mean += share * candidate->point_m;
     weight += share;
   }

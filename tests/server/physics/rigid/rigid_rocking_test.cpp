@@ -7,7 +7,7 @@
 
 #include "scenes/rigid_fixtures.h"
 
-// Curved sherds that rock on a floor. The points at which such a body touches change as it turns; each of
+// Curved fragments that rock on a floor. The points at which such a body touches change as it turns; each of
 // them must be a contact before it has sunk in, or its correction feeds the rocking.
 
 namespace livegs {
@@ -20,7 +20,7 @@ constexpr double kWall_m = 0.003, kDensity_kg_m3 = 2400.0;
 
 // A piece of the wall of a bowl of radius `bend_m`, 40 mm wide, with an outline that differs for each
 // `number`; the hollow faces up.
-TriangleMesh sherd_mesh(double bend_m, int number) {
+TriangleMesh fragment_mesh(double bend_m, int number) {
   constexpr uint32_t kRings = 4, kAround = 14;
   TriangleMesh mesh;
   for (const double wall_m : {0.0, kWall_m}) {
@@ -59,24 +59,24 @@ struct Rocking {
   double gained_j = 0.0, released_j = 0.0, rest_s = 0.0;
 };
 
-// Lets a sherd go 20 degrees tilted and 1 mm above the floor, and sums what its energy gains from tick to
+// Releases a fragment 20 degrees tilted and 1 mm above the floor, and sums what its energy gains from tick to
 // tick.
 Rocking rock(double rate_hz, double bend_m, int number, bool hollow_up) {
   World world = world_at(rate_hz, 4);
   world.add_collider(floor_plane(0.6, 0.2));
-  RigidBodyDescription sherd = body_of(1, sherd_mesh(bend_m, number), 1.0);
-  const double mass_kg = kDensity_kg_m3 * sherd.properties.volume_m3;
-  sherd.material.mass_kg = mass_kg;
-  sherd.material.restitution = 0.2;
-  sherd.material.friction = 0.6;
+  RigidBodyDescription fragment = body_of(1, fragment_mesh(bend_m, number), 1.0);
+  const double mass_kg = kDensity_kg_m3 * fragment.properties.volume_m3;
+  fragment.material.mass_kg = mass_kg;
+  fragment.material.restitution = 0.2;
+  fragment.material.friction = 0.6;
   const double turn = radians((hollow_up ? 0.0 : 180.0) + 20.0);
-  sherd.world_from_object.orientation =
+  fragment.world_from_object.orientation =
       Eigen::AngleAxisd(turn, Vector3d(std::cos(number), 0.0, std::sin(number)));
   double lowest_m = 0.0;
-  for (const Vector3d& vertex : sherd.mesh.vertices_m)
-    lowest_m = std::min(lowest_m, (sherd.world_from_object.orientation * vertex).y());
-  sherd.world_from_object.position_m = {0.0, 0.001 - lowest_m, 0.0};
-  EXPECT_TRUE(world.add_rigid(sherd));
+  for (const Vector3d& vertex : fragment.mesh.vertices_m)
+    lowest_m = std::min(lowest_m, (fragment.world_from_object.orientation * vertex).y());
+  fragment.world_from_object.position_m = {0.0, 0.001 - lowest_m, 0.0};
+  EXPECT_TRUE(world.add_rigid(fragment));
   Rocking result;
   const auto energy_j = [&] {
     const BodyEnergy energy = world.energy();
@@ -96,13 +96,13 @@ Rocking rock(double rate_hz, double bend_m, int number, bool hollow_up) {
 }
 
 // The energy of a rocking body only falls, but for the sag of its contacts.
-TEST(RigidRocking, SherdsComeToRest) {
+TEST(RigidRocking, CurvedFragmentsComeToRest) {
   for (const double rate_hz : kRates_hz) {
     for (const double bend_m : {0.03, 0.06}) {
       for (int number = 0; number < seed_count(12); ++number) {
         for (const bool hollow_up : {true, false}) {
-          SCOPED_TRACE(testing::Message() << rate_hz << " Hz, sherd " << number << " of a bowl of " << bend_m
-                                          << " m, hollow " << (hollow_up ? "up" : "down"));
+          SCOPED_TRACE(testing::Message() << rate_hz << " Hz, fragment " << number << " of a bowl of "
+                                          << bend_m << " m, hollow " << (hollow_up ? "up" : "down"));
           const Rocking rocking = rock(rate_hz, bend_m, number, hollow_up);
           EXPECT_LT(rocking.rest_s, 3.0);
           EXPECT_LT(rocking.gained_j / rocking.released_j, 0.02);
