@@ -39,7 +39,7 @@ class PointSurface {
 
   // Signed distance at a point; nullopt if no element is within reach. `own` are the faces at the querying
   // point if it lies on a surface. Inside an edge, only faces opposite to one of `own` are considered, and
-  // the result is nullopt if there are none.
+  // the result is nullopt if there are none; just behind another face, the distance grows from zero.
   std::optional<SurfaceDepth> depth(const Eigen::Vector3d& point_m,
                                     std::span<const SurfaceElement> own = {}) const;
   // The same for a point that moved by `displacement_m`: samples the path in steps of half the reach, so that

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -69,9 +70,15 @@ class ContactParticipant {
   virtual void record_impulse(const ContactAnchor& anchor, const ContactImpulse& impulse) = 0;
 };
 
-// Maximum separation speed of overlaps that exist at the start of a step, m/s. A larger value resolves deep
-// overlaps faster but ejects the bodies.
-inline constexpr double kContactPushSpeed_m_s = 0.5;
+// Maximum separation speed of overlaps that exist at the start of a step, relative to sqrt(g L), with L the
+// reach of the smaller elastic body. It bounds the energy that an overlap adds, to a quarter of a per cent of
+// m g L. Larger: limp bodies that press on each other's edges are thrown up. Smaller: bodies that start
+// within each other separate slowly.
+inline constexpr double kMaxPushFroude = 0.07;
+inline double max_push_m_s(double reach_m) { return kMaxPushFroude * std::sqrt(9.81 * reach_m); }
+// The same for rigid bodies, m/s. Larger: they are thrown out of soft bodies. Smaller: they do not come to
+// rest in a dent.
+inline constexpr double kMaxRigidPush_m_s = 0.5;
 
 // Maximum gap of a row, in particle edges. Open gaps are included because a neighbouring impulse can close
 // them.
@@ -88,10 +95,10 @@ struct ContactConstraint {
   Eigen::Vector3d normal;   // unit, world, from b towards a
   double gap_m = 0.0;       // at the end of the step without contact impulses; negative: overlap
   double friction = 0.0;
-  double push_m_s = kContactPushSpeed_m_s;  // maximum separation speed of an initial overlap
-  uint64_t body_id = 0;                     // of a, the body that listed the row
-  uint64_t other_body_id = 0;               // of b
-  RigidProxy* rigid = nullptr;              // b, if it is a rigid body
+  double push_m_s = kMaxRigidPush_m_s;  // maximum separation speed of an initial overlap
+  uint64_t body_id = 0;                 // of a, the body that listed the row
+  uint64_t other_body_id = 0;           // of b
+  RigidProxy* rigid = nullptr;          // b, if it is a rigid body
   uint32_t point = UINT32_MAX;  // of the body that listed the row; UINT32_MAX: a point of the other body
 
   // Before the solve: that of the last step, from which the solve starts. After it: of this step.

@@ -67,6 +67,11 @@ struct LatticeResolution {
   double wave_speed_m_s(double rate_hz) const { return courant * rate_hz * substeps * cell_width_m; }
 };
 
+// Maximum Courant number of a single layer of cells, and of a body with more than kMaxThinPart of its volume
+// in nearly empty cells. Larger: the light nodes of such cells overshoot when the body lands, and it gains
+// energy.
+inline constexpr double kThinCourant = 0.5;
+
 // The largest Courant number, sqrt(E/rho) h / a, at which dynamics and contact are within their stated
 // errors. `cells_across` counts cells across the thinnest side. Statics are within them too if the body is at
 // least eight cells long.

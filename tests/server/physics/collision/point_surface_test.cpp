@@ -58,5 +58,23 @@ TEST(SurfaceElements, PointMeetsTheFaceOppositeItsNormal) {
   EXPECT_GT(grid.depth(outside.position_m, {&outside, 1})->distance_m, 0.0);
 }
 
+// A point of a face below the top of the cube enters it through the side. The distance starts at zero and
+// ends at that to the top, without a jump.
+TEST(SurfaceElements, DistanceIsContinuousWhereAPointPassesAnEdge) {
+  const auto elements = cube_elements(0.25);
+  const PointSurface grid(elements, 0.375);
+  const double step = 1e-4, below = 0.1;
+  double last = 0.0;
+  for (double inside = step; inside < 2.0 * below; inside += step) {
+    const SurfaceElement down{{1.0 - inside, 1.0 - below, 0.1}, {0, -1, 0}, 0.0, 0};
+    const auto found = grid.depth(down.position_m, {&down, 1});
+    ASSERT_TRUE(found) << inside;
+    EXPECT_NEAR((found->normal - Vector3d::UnitY()).norm(), 0.0, 1e-12) << inside;
+    EXPECT_NEAR(found->distance_m, last, 20.0 * step) << inside;
+    last = found->distance_m;
+  }
+  EXPECT_NEAR(last, -below, 1e-12);
+}
+
 }  // namespace
 }  // namespace livegs

@@ -23,5 +23,21 @@ TEST(CapturedPhysics, StaysStableForThreeSeconds) {
   }
 }
 
+// Limp captures on each other, pressed into each other's edges.
+TEST(CapturedPhysics, StacksGainNoEnergy) {
+  const struct {
+    const char* name;
+    double rate_hz;
+  } cases[] = {{"guitar/guitar.ply", 120.0}, {"guitar/guitar.ply", 100.0}, {"playbot/playbot_31k.ply", 66.0}};
+  for (const auto& [name, rate_hz] : cases) {
+    const fs::path path = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats" / name;
+    if (!fs::exists(path)) GTEST_SKIP() << "the shared data is missing";
+    const AssetTrial trial =
+        run_asset_trial(path.string(), TrialBody::Elastic, TrialAction::Stacked, 3.0, rate_hz);
+    EXPECT_TRUE(trial.finite) << name;
+    EXPECT_LT(trial.energy_ratio, 1.02) << name << " at " << rate_hz << " Hz";
+  }
+}
+
 }  // namespace
 }  // namespace livegs::testing
