@@ -113,8 +113,8 @@ struct BodyRow {
   uint surface_count;
   uint first_collider;
   uint collider_count;
-  uint gains;      // 0: of its own steps, 1: of impact steps
-  float push_m_s;  // maximum separation speed of an initial overlap
+  uint gains;                // 0: of its own steps, 1: of impact steps
+  float max_separation_m_s;  // maximum separation speed of an initial overlap
   uint spare_0;
   uint spare_1;
   // State.

@@ -15,8 +15,8 @@ using Eigen::Vector3i;
 
 constexpr double kFacingCosine = -0.3;  // maximum cosine between normals of opposite faces
 // Maximum distance behind a facing face, over the distance behind the nearest face. Makes the distance of a
-// point that passes an edge sideways continuous. Larger: corners beside an edge are thrown up and flutter.
-// Smaller: bodies overlap at their edges.
+// point that passes an edge sideways continuous, as far as it is searched for again. Larger: corners beside
+// an edge are thrown up and flutter. Smaller: bodies overlap at their edges.
 constexpr double kMaxEdgeSlope = 10.0;
 
 bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
@@ -146,7 +146,9 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
     }
   }
   if (own.empty() || deepest->distance_m > 0.0) return deepest;
-  if (facing) facing->distance_m = std::max(facing->distance_m, kMaxEdgeSlope * deepest->distance_m);
+  // The two sides of a sheet have no edge in common.
+  if (facing && facing->normal.dot(deepest->normal) > kFacingCosine)
+    facing->distance_m = std::max(facing->distance_m, kMaxEdgeSlope * deepest->distance_m);
   return facing;
 }
 

@@ -154,7 +154,7 @@ void prepare(ContactConstraint& row, double step_s, SolvedRow& solved) {
   solved.friction_n_s = wide(moves ? friction : Vector3d::Zero());
 
   const double before_m = dot(solved.normal, solved.displacement_m<false>());
-  const double least_gap_m = std::min(0.0, row.gap_m - before_m + row.push_m_s * step_s);
+  const double least_gap_m = std::min(0.0, row.gap_m - before_m + row.max_separation_m_s * step_s);
   solved.gap_m = row.gap_m - before_m - least_gap_m;
 }
 

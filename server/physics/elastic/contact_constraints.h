@@ -70,15 +70,17 @@ class ContactParticipant {
   virtual void record_impulse(const ContactAnchor& anchor, const ContactImpulse& impulse) = 0;
 };
 
-// Maximum separation speed of overlaps that exist at the start of a step, relative to sqrt(g L), with L the
-// reach of the smaller elastic body. It bounds the energy that an overlap adds, to a quarter of a per cent of
-// m g L. Larger: limp bodies that press on each other's edges are thrown up. Smaller: bodies that start
-// within each other separate slowly.
-inline constexpr double kMaxPushFroude = 0.07;
-inline double max_push_m_s(double reach_m) { return kMaxPushFroude * std::sqrt(9.81 * reach_m); }
-// The same for rigid bodies, m/s. Larger: they are thrown out of soft bodies. Smaller: they do not come to
-// rest in a dent.
-inline constexpr double kMaxRigidPush_m_s = 0.5;
+// Maximum separation speed of overlaps that exist at the start of a step, relative to sqrt(g L) with standard
+// gravity and the reach L of the smaller elastic body; with a collider, of the body. Half its square, a
+// quarter of a per cent, is the energy over m g L of a body at this speed. Larger: limp bodies that press on
+// each other's edges are thrown up. Smaller: bodies that start within each other separate slowly.
+inline constexpr double kMaxSeparationFroude = 0.07;
+inline double separation_limit_m_s(double reach_m) {
+  return kMaxSeparationFroude * std::sqrt(9.81 * reach_m);
+}
+// The same with rigid bodies and between bodies of `livegs_v1`, m/s. Larger: bodies are thrown out of each
+// other. Smaller: balls do not come to rest in a dent.
+inline constexpr double kMaxRigidSeparation_m_s = 0.5;
 
 // Maximum gap of a row, in particle edges. Open gaps are included because a neighbouring impulse can close
 // them.
@@ -95,10 +97,10 @@ struct ContactConstraint {
   Eigen::Vector3d normal;   // unit, world, from b towards a
   double gap_m = 0.0;       // at the end of the step without contact impulses; negative: overlap
   double friction = 0.0;
-  double push_m_s = kMaxRigidPush_m_s;  // maximum separation speed of an initial overlap
-  uint64_t body_id = 0;                 // of a, the body that listed the row
-  uint64_t other_body_id = 0;           // of b
-  RigidProxy* rigid = nullptr;          // b, if it is a rigid body
+  double max_separation_m_s = kMaxRigidSeparation_m_s;  // of an overlap at the start of the step
+  uint64_t body_id = 0;                                 // of a, the body that listed the row
+  uint64_t other_body_id = 0;                           // of b
+  RigidProxy* rigid = nullptr;                          // b, if it is a rigid body
   uint32_t point = UINT32_MAX;  // of the body that listed the row; UINT32_MAX: a point of the other body
 
   // Before the solve: that of the last step, from which the solve starts. After it: of this step.

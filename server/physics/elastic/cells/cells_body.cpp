@@ -53,13 +53,11 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   set_up_materials();
   choose(description.cell_width_m);
   lattice_ = build_lattice(extent_, accuracy_.resolution.cell_width_m, description.regions);
-  accuracy_.thin_part = thin_part(lattice_, extent_.loose);
-  if (accuracy_.thin_part > kMaxThinPart) {
-    choose(description.cell_width_m);  // with the limit of nearly empty cells
-    if (accuracy_.resolution.cell_width_m != lattice_.cell_width_m) {
+  accuracy_.is_thin = thin_part(lattice_, extent_.loose) > kMaxThinPart;
+  if (accuracy_.is_thin) {
+    choose(description.cell_width_m);  // with the limit of thin material
+    if (accuracy_.resolution.cell_width_m != lattice_.cell_width_m)
       lattice_ = build_lattice(extent_, accuracy_.resolution.cell_width_m, description.regions);
-      accuracy_.thin_part = thin_part(lattice_, extent_.loose);
-    }
   }
   neighbours_ = find_node_neighbours(lattice_.node_coordinates);
   if (const int pieces = piece_count(lattice_), own = description.particles.piece_count;
@@ -83,7 +81,6 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
 
 void CellsBody::set_up_materials() {
   static_cast<BodyMaterials&>(materials_) = body_materials(materials_.own, materials_.regions, volume_m3_);
-  materials_.cells.materials = materials_.elastic;
 }
 
 double CellsBody::material_friction(size_t material) const {
@@ -108,12 +105,13 @@ double CellsBody::max_friction() const {
 }
 
 void CellsBody::choose(double cell_width_m) {
+  materials_.cells.materials = materials_.elastic;  // limited below if clipped
   ResolutionRequest request = resolution_request(extent_, materials_, holding_.boundary_moved,
                                                  accuracy_.rate_hz, accuracy_.scene_substeps);
   request.cell_width_m = cell_width_m;
   request.body_substeps = accuracy_.given_substeps;
   request.max_node_substeps = accuracy_.max_node_substeps;
-  if (accuracy_.thin_part > kMaxThinPart) request.max_courant = std::min(request.max_courant, kThinCourant);
+  if (accuracy_.is_thin) request.max_courant = std::min(request.max_courant, kMaxThinCourant);
   accuracy_.resolution = choose_resolution(request);
   accuracy_.unbudgeted.reset();
   if (accuracy_.max_node_substeps < accuracy_.scene_node_substeps) {
@@ -235,6 +233,7 @@ void CellsBody::predict_accuracy() {
       (options_.second_order ? 2.0 / 3.0 : 1.0) / (accuracy_.rate_hz * accuracy_.resolution.substeps);
   const Vector3d cells = size_m() / lattice_.cell_width_m;
   accuracy_.materials.clear();
+  accuracy_.thin_part = thin_part(lattice_, extent_.loose);
   for (size_t k = 0; k < materials_.densities_kg_m3.size(); ++k) {
     const IsotropicMaterial& one = materials_.cells.materials[k];
     const double courant =

@@ -269,7 +269,7 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
       contacts.other_revision != other.bodies_.revision) {
     find_elastic_contacts(other, h, contacts);
   }
-  const double push_m_s = max_push_m_s(std::min(reach_m_, other.reach_m_));
+  const double max_separation_m_s = separation_limit_m_s(std::min(reach_m_, other.reach_m_));
   for (ElasticContacts::Point& touch : contacts.points) {
     touch.apart_m -= motion_m;
     if (touch.apart_m > 0.0) continue;
@@ -289,7 +289,7 @@ void CellsBody::collide_surface_with_elastic(CellsBody& other, double h, Elastic
     row.body_id = body_id_of(object_id_);
     row.other_body_id = contacts.body_id;
     row.point = touch.point;
-    row.push_m_s = push_m_s;
+    row.max_separation_m_s = max_separation_m_s;
     start_from_last_force(row);
     rows.push_back(row);
   }

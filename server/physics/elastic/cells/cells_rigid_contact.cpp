@@ -234,7 +234,9 @@ void CellsBody::collide_rigid_points(RigidProxy& body, const RigidContacts& cont
     const double gap = touch.normal.dot(point - place_now_m(touch.own)) + touch.offset_m - radius;
     if (gap > kRowMargin * extent_.box_edge_m) continue;
     ContactConstraint row;
-    if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kMaxFoldedPenetration * extent_.box_edge_m), 0.0, 1.0);
+    if (folds)
+      row.max_separation_m_s *=
+          std::clamp(1.0 + gap / (kMaxFoldedPenetration * extent_.box_edge_m), 0.0, 1.0);
     row.a = participant_.get();
     row.b = row.rigid = &body;
     row.point_m = point - radius * touch.normal;

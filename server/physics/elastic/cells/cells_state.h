@@ -62,6 +62,7 @@ struct Accuracy {
   std::optional<LatticeResolution> unbudgeted;  // set if the scene's budget limits the body
   std::vector<MaterialAccuracy> materials;      // in the order of Materials
   double thin_part = 0.0;                       // as ElasticAccuracy::thin_part
+  bool is_thin = false;                         // steps are limited by kMaxThinCourant
 };
 
 // Gains of the sweep for the body's own steps, for impact steps, and for the last other step length, imposed

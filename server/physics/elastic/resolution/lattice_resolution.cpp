@@ -85,7 +85,7 @@ double courant_limit(double poisson_ratio, double cells_across) {
   // 0.6. The limit decreases towards nu = 0.5, because pressure waves get faster: at nu = 0.49 they are 4.1
   // times as fast as those in a bar.
   const double limit = 0.6 - std::max(0.0, poisson_ratio - 0.35) - 7.25 * std::max(0.0, poisson_ratio - 0.45);
-  return cells_across < 1.5 ? std::min(limit, kThinCourant) : limit;
+  return cells_across < 1.5 ? std::min(limit, kMaxThinCourant) : limit;
 }
 
 BodyMaterials body_materials(const Material& own, std::span<const RegionMaterial> regions, double volume_m3) {
@@ -133,6 +133,7 @@ ResolutionRequest resolution_request(const BodyExtent& extent, const BodyMateria
   request.rate_hz = rate_hz;
   request.substeps = substeps;
   if (boundary_moved) request.max_courant = kBoundaryCourant;
+  if (extent.loose) request.max_courant = std::min(request.max_courant, kMaxThinCourant);
   return request;
 }
 

@@ -68,9 +68,9 @@ struct LatticeResolution {
 };
 
 // Maximum Courant number of a single layer of cells, and of a body with more than kMaxThinPart of its volume
-// in nearly empty cells. Larger: the light nodes of such cells overshoot when the body lands, and it gains
-// energy.
-inline constexpr double kThinCourant = 0.5;
+// in oblique or loose material thinner than half a cell (thin_part). Larger: the light nodes of nearly empty
+// cells overshoot when the body lands, and it gains energy.
+inline constexpr double kMaxThinCourant = 0.5;
 
 // The largest Courant number, sqrt(E/rho) h / a, at which dynamics and contact are within their stated
 // errors. `cells_across` counts cells across the thinnest side. Statics are within them too if the body is at
