@@ -67,7 +67,6 @@ BodyRow body_row(const FlatState& state, const FlatTick& tick) {
   row.friction = static_cast<float>(state.friction);
   row.inverse_four_widths = static_cast<float>(state.inverse_four_widths);
   row.slow_m_s = static_cast<float>(state.slow_m_s);
-  row.max_separation_m_s = static_cast<float>(state.max_separation_m_s);
   row.loss_factor = static_cast<float>(state.loss_factor);
   row.stiffness_pa = static_cast<float>(state.stiffness_pa);
   row.steps = static_cast<uint>(state.steps);

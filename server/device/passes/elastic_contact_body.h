@@ -91,9 +91,10 @@ LIVEGS_SHARED_BODY void resolve_point(uint i, uint point, uint body, uint collid
   const SurfaceHit hit = sweep_collider(k, from, to);
   if (hit.distance_m >= 0.0f) return;
   sums.moment.w = 1.0f;
+  // Initial overlaps separate at 0.5 m/s at most (kMaxRigidSeparation_m_s).
   const vec3 moved = to - from;
   const float gap_before = hit.distance_m - dot(hit.normal, moved), mobility = points[point].mobility.x;
-  const float depth = min(0.0f, gap_before + bodies[body].max_separation_m_s * step_s) - hit.distance_m;
+  const float depth = min(0.0f, gap_before + 0.5f * step_s) - hit.distance_m;
   if (depth <= 0.0f || mobility <= 0.0f) return;
   // contact_correction: out of the solid, and back by friction.
   const vec3 slid = moved - dot(hit.normal, moved) * hit.normal;

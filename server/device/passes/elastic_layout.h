@@ -113,10 +113,10 @@ struct BodyRow {
   uint surface_count;
   uint first_collider;
   uint collider_count;
-  uint gains;                // 0: of its own steps, 1: of impact steps
-  float max_separation_m_s;  // maximum separation speed of an initial overlap
+  uint gains;  // 0: of its own steps, 1: of impact steps
   uint spare_0;
   uint spare_1;
+  uint spare_2;
   // State.
   uint first;     // the last step is no basis for BDF2
   uint uneven;    // the last step had another length

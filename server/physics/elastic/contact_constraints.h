@@ -70,16 +70,17 @@ class ContactParticipant {
   virtual void record_impulse(const ContactAnchor& anchor, const ContactImpulse& impulse) = 0;
 };
 
-// Maximum separation speed of overlaps that exist at the start of a step, relative to sqrt(g L) with standard
-// gravity and the reach L of the smaller elastic body; with a collider, of the body. Half its square, a
-// quarter of a per cent, is the energy over m g L of a body at this speed. Larger: limp bodies that press on
-// each other's edges are thrown up. Smaller: bodies that start within each other separate slowly.
+// Maximum separation speed of overlaps of elastic bodies that exist at the start of a step, relative to
+// sqrt(g L) with standard gravity and the reach L of the smaller body. Half its square, a quarter of a per
+// cent, is the energy over m g L of a body at this speed. Larger: limp bodies that press on each other's
+// edges are thrown up. Smaller: bodies that start within each other separate slowly.
 inline constexpr double kMaxSeparationFroude = 0.07;
 inline double separation_limit_m_s(double reach_m) {
   return kMaxSeparationFroude * std::sqrt(9.81 * reach_m);
 }
-// The same with rigid bodies and between bodies of `livegs_v1`, m/s. Larger: bodies are thrown out of each
-// other. Smaller: balls do not come to rest in a dent.
+// The same with colliders and rigid bodies, and between bodies of `livegs_v1`, m/s. Larger: bodies are thrown
+// out. Smaller: limp bodies that a hand drags along a floor stay below it, balls do not come to rest in a
+// dent.
 inline constexpr double kMaxRigidSeparation_m_s = 0.5;
 
 // Maximum gap of a row, in particle edges. Open gaps are included because a neighbouring impulse can close

@@ -85,7 +85,7 @@ struct FlatState : StepMemory {
   bool impact = false;  // the steps are impact steps
   bool held = false, may_be_second_order = true;
   double mass_kg = 0, damping_per_s = 0, weight_n = 0, moving_part = 0, friction = 0, loss_factor = 0;
-  double inverse_four_widths = 0, slow_m_s = 0, max_separation_m_s = 0, stiffness_pa = 0;
+  double inverse_four_widths = 0, slow_m_s = 0, stiffness_pa = 0;
   Eigen::Vector3d load_n = Eigen::Vector3d::Zero(), load_torque = Eigen::Vector3d::Zero();
   std::vector<FlatVector> loads_n;  // by node; empty: none
   std::vector<FlatCollider> colliders;

@@ -84,8 +84,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     step_.touching = true;
     const Vector3d moved = point - from;
     const double gap_before = surface.distance_m - surface.normal.dot(moved);
-    const double depth =
-        std::min(0.0, gap_before + separation_limit_m_s(reach_m_) * step_s) - surface.distance_m;
+    const double depth = std::min(0.0, gap_before + kMaxRigidSeparation_m_s * step_s) - surface.distance_m;
     if (depth <= 0.0 || w <= 0.0) return;
     const double friction = mixed_friction(friction_at(i), collider.collider().friction);
     const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;

@@ -184,7 +184,6 @@ const char* CellsBody::begin_flat_tick(const FlatTick& tick, FlatState& state) {
   state.loss_factor = materials_.own.loss_factor;
   state.inverse_four_widths = 0.25 / lattice_.cell_width_m;
   state.slow_m_s = slow_speed_m_s(tick.gravity_m_s2);
-  state.max_separation_m_s = separation_limit_m_s(reach_m_);
   state.stiffness_pa = plane_strain_modulus_pa();
   for (Load& load : loads_.points) {
     load.from_m = nodes_.position_m(load.sample);
