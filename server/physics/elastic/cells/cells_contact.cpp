@@ -33,8 +33,8 @@ CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
 
 // Pairs of surface cells and colliders that can touch before a node moves by the margin.
 void CellsBody::find_candidates(const SubstepContext& context) {
-  const double speed = ledger_.motion.velocity_m_s().norm() + reach_m_ * step_.spin_rad_s +
-                       4.0 * step_.deviation_m_s + context.gravity_m_s2.norm() / accuracy_.rate_hz;
+  const double speed = ledger_.motion.velocity_m_s().norm() + node_speed_m_s() +
+                       context.gravity_m_s2.norm() / accuracy_.rate_hz;
   const double margin = std::max(kCandidateRoom * lattice_.cell_width_m, speed / accuracy_.rate_hz);
   colliders_.margin_m = margin;
   colliders_.count = context.colliders.size();
@@ -57,11 +57,8 @@ void CellsBody::find_candidates(const SubstepContext& context) {
 }
 
 void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) {
-  // Bound of a node's motion in this step, and of the corners of its cell. Deviations can be several times
-  // their root mean square.
-  colliders_.margin_m -=
-      1.5 * step_s *
-      (ledger_.motion.velocity_m_s().norm() + reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s);
+  // Bound of a node's motion in this step, and of the corners of its cell.
+  colliders_.margin_m -= kMotionRoom * step_s * (ledger_.motion.velocity_m_s().norm() + node_speed_m_s());
   if (colliders_.margin_m <= 0.0 || colliders_.count != context.colliders.size()) find_candidates(context);
 
   if (colliders_.candidates.empty()) return;

@@ -190,7 +190,7 @@ void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n
 }
 
 double CellsBody::node_speed_m_s() const {
-  const double of_nodes = reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s;
+  const double of_nodes = reach_m_ * step_.spin_rad_s + kNodeDeviations * step_.deviation_m_s;
   if (!holding_.moved) return of_nodes;
   return std::max(of_nodes, step_.driven_m_s + ledger_.motion.velocity_m_s().norm());
 }

@@ -22,6 +22,9 @@ inline constexpr double kCandidateRoom = 0.5;
 // Motion that is counted for a step over that at the speeds at its start. Smaller: a body that speeds up is
 // found late. What it still lacks is counted in the next step.
 inline constexpr double kMotionRoom = 1.5;
+// Bound of the speeds of nodes relative to the rigid motion, over their root mean square. Smaller: light
+// nodes that touch are found late. Larger: more searches.
+inline constexpr double kNodeDeviations = 4.0;
 
 inline uint64_t id_of(const RigidProxy* body) { return body->body_id; }
 inline uint64_t id_of(const ElasticNeighbour& body) { return body.body_id; }

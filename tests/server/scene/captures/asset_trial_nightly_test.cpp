@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// All captured assets as three body types with four actions, for twenty seconds, at each rate. Appends one
-// row per trial to the file named by LIVEGS_TRIAL_CSV. Results are in
-// tests/bench/results/<machine>/asset_trial.csv.
+// All captured assets as three body types with four actions, for twenty seconds, at each rate; stacks of
+// elastic bodies at more rates. Appends one row per trial to the file named by LIVEGS_TRIAL_CSV. Results are
+// in tests/bench/results/<machine>/asset_trial.csv.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,6 +36,15 @@ std::vector<std::string> captures() {
           "fur_block"};
 }
 
+// Stacks of limp bodies are chaotic: a gain of energy shows at some rates only.
+std::vector<double> rates_of(TrialBody body, TrialAction action) {
+  std::vector<double> rates = kRates_hz;
+  if (body == TrialBody::Elastic && action == TrialAction::Stacked) {
+    rates.insert(rates.end(), {66.0, 100.0, 120.0});
+  }
+  return rates;
+}
+
 class EveryCapture : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryCapture, StaysStableForTwentySeconds) {
@@ -44,7 +53,7 @@ TEST_P(EveryCapture, StaysStableForTwentySeconds) {
   for (const TrialBody body : {TrialBody::Rigid, TrialBody::Elastic, TrialBody::Fragile}) {
     for (const TrialAction action :
          {TrialAction::Dropped, TrialAction::Thrown, TrialAction::Pulled, TrialAction::Stacked}) {
-      for (const double rate_hz : kRates_hz) {
+      for (const double rate_hz : rates_of(body, action)) {
         const AssetTrial trial = run_asset_trial(path.string(), body, action, 20.0, rate_hz);
         expect_nothing_exploded(trial);
         if (body == TrialBody::Fragile)
