@@ -148,10 +148,11 @@ bool project_trained(const Projection& projection, const KernelParameters& param
   return std::isfinite(ellipse.centre_x_px) && std::isfinite(ellipse.centre_y_px);
 }
 
-void project_backward(const Projection& projection, const KernelParameters& parameters, size_t kernel,
-                      int sh_degree, const EllipseGradient& g, KernelParameters& gradient) {
+CameraGradient project_backward(const Projection& projection, const KernelParameters& parameters,
+                                size_t kernel, int sh_degree, const EllipseGradient& g,
+                                KernelParameters& gradient) {
   Steps s;
-  if (!place(projection, parameters, kernel, s)) return;
+  if (!place(projection, parameters, kernel, s)) return {};
   const double z = s.t.z();
   const auto& axes = projection.image_from_world;
 
@@ -219,6 +220,11 @@ void project_backward(const Projection& projection, const KernelParameters& para
   t.z() += double{g.depth};
   if (s.fade < 1) t.z() += g.sum / (z - projection.near_m);
   Eigen::Vector3d position = axes.transpose() * t;
+  // A turn of the camera is the opposite turn of the kernel about it, without a change of the direction from
+  // which it is seen.
+  CameraGradient camera;
+  camera.turn = -s.offset.cross(position);
+  for (int k = 0; k < 3; ++k) camera.turn -= s.rotation.col(k).cross(r.col(k));
 
   *gradient.row(Family::Opacity, kernel) = static_cast<float>(g.sum * (1 - s.opacity));
 
@@ -249,6 +255,8 @@ void project_backward(const Projection& projection, const KernelParameters& para
     position += (by_direction - direction * direction.dot(by_direction)) / distance;
   }
   for (int i = 0; i < 3; ++i) gradient.row(Family::Position, kernel)[i] = static_cast<float>(position[i]);
+  camera.position = -position;
+  return camera;
 }
 
 }  // namespace livegs

@@ -24,9 +24,17 @@ struct EllipseGradient {
   float depth = 0;                     // dL by the depth of the centre, scene units
 };
 
-// Derivatives by the trained numbers of the kernel; they are written, not added. Precondition:
-// project_trained returned true with the same arguments.
-void project_backward(const Projection& projection, const KernelParameters& parameters, size_t kernel,
-                      int sh_degree, const EllipseGradient& ellipse, KernelParameters& gradient);
+// Derivatives of the loss by the pose of the camera.
+struct CameraGradient {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // per scene unit
+  Eigen::Vector3d turn =
+      Eigen::Vector3d::Zero();  // by a rotation about the camera's centre, world axes, per rad
+};
+
+// Derivatives by the trained numbers of the kernel; they are written, not added. Returns the part of the
+// kernel in those by the camera. Precondition: project_trained returned true with the same arguments.
+CameraGradient project_backward(const Projection& projection, const KernelParameters& parameters,
+                                size_t kernel, int sh_degree, const EllipseGradient& ellipse,
+                                KernelParameters& gradient);
 
 }  // namespace livegs

@@ -321,17 +321,25 @@ void TrainedView::blend_back(const PicturePlanes& by_picture, std::span<const fl
   });
 }
 
-void TrainedView::backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
-                           KernelParameters& gradient, std::span<const float> by_spread) {
+CameraGradient TrainedView::backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
+                                     KernelParameters& gradient, std::span<const float> by_spread) {
   if (!backward_on_device(by_picture, by_spread)) blend_back(by_picture, by_spread);
   gradient.resize(parameters.size());
   gradient.clear_to_zero();
   const Projection projection(camera_);
+  camera_gradients_.resize(kernels_.size());
   parallel_for(kernels_.size(), kProjectBlock / 2, [&](size_t begin, size_t end) {
-    for (size_t rank = begin; rank < end; ++rank)
-      project_backward(projection, parameters, order_[rank], options_.sh_degree, kernel_gradients_[rank],
-                       gradient);
+    for (size_t rank = begin; rank < end; ++rank) {
+      camera_gradients_[rank] = project_backward(projection, parameters, order_[rank], options_.sh_degree,
+                                                 kernel_gradients_[rank], gradient);
+    }
   });
+  CameraGradient camera;
+  for (const CameraGradient& one : camera_gradients_) {
+    camera.position += one.position;
+    camera.turn += one.turn;
+  }
+  return camera;
 }
 
 }  // namespace livegs

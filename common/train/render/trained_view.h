@@ -74,9 +74,10 @@ class TrainedView {
 
   // `by_picture`: dL by the colour (over the background) and alpha of each pixel. Writes the derivative by
   // every trained number; 0 for kernels that were not visible. `by_spread`: dL by the spread of each pixel,
-  // or empty; needs TrainedViewOptions::spread. Call after draw, with the same parameters.
-  void backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
-                KernelParameters& gradient, std::span<const float> by_spread = {});
+  // or empty; needs TrainedViewOptions::spread. Returns the derivative by the pose of the camera. Call after
+  // draw, with the same parameters.
+  CameraGradient backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
+                          KernelParameters& gradient, std::span<const float> by_spread = {});
 
  private:
   bool blend_on_device();
@@ -107,6 +108,7 @@ class TrainedView {
   std::unique_ptr<DeviceBlender> device_;
   std::vector<TrainPixelGradient> device_by_picture_;
   std::vector<EllipseGradient> kernel_gradients_;  // by rank
+  std::vector<CameraGradient> camera_gradients_;   // by rank
 };
 
 }  // namespace livegs

@@ -70,6 +70,43 @@ TEST(TrainedView, GradientAgreesWithCentralDifferences) {
   expect_gradient(test_kernels(10, 0.9), test_camera(40, 36), smooth_options());
 }
 
+// By position and turn of the camera, with colours that depend on the direction and with the spread of
+// depths.
+TEST(TrainedView, GradientByTheCameraAgreesWithCentralDifferences) {
+  const KernelParameters kernels = test_kernels(10, 0.9);
+  const Camera camera = test_camera(40, 36);
+  TrainedViewOptions options = smooth_options();
+  options.spread = true;
+  const PicturePlanes weights = random_weights(camera.width, camera.height);
+  TrainedView view;
+  view.draw(kernels, camera, options);
+  KernelParameters gradient;
+  const std::vector<float> spread_weights(weights.pixels(), 0.7f);
+  const CameraGradient by_camera = view.backward(kernels, weights, gradient, spread_weights);
+  const ReferenceKernels reference(kernels);
+  constexpr double kStep = 1e-4;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool turns : {false, true}) {
+      double sums[2];
+      for (const int side : {0, 1}) {
+        Camera moved = camera;
+        const double by = side == 0 ? -kStep : kStep;
+        if (turns) {
+          moved.world_from_camera.orientation =
+              Eigen::AngleAxisd(by, Eigen::Vector3d::Unit(axis)) * camera.world_from_camera.orientation;
+        } else {
+          moved.world_from_camera.position_m[axis] += by;
+        }
+        sums[side] = weighted_sum(reference_view(reference, moved, options), weights, 0.7);
+      }
+      const double difference = (sums[1] - sums[0]) / (2 * kStep);
+      const Eigen::Vector3d& found = turns ? by_camera.turn : by_camera.position;
+      EXPECT_NEAR(found[axis], difference, 1e-3 * std::abs(difference) + 1e-5 * found.norm())
+          << (turns ? "turn " : "position ") << axis;
+    }
+  }
+}
+
 TEST(TrainedView, GradientOfTheSpreadOfDepthsAgrees) {
   expect_gradient(test_kernels(10, 0.9), test_camera(40, 36), smooth_options(), 0.7f);
 }
