@@ -50,6 +50,8 @@ class Trainer {
   GaussianAsset asset() const;
   double extent() const;       // of the scene, see robust_extent
   double recent_loss() const;  // mean over about the last hundred steps
+  // Of a view, with the corrections so far. The size is that of the photos in training.
+  Camera camera(size_t view) const;
 
   Result<HeldOutScore> score();
   // The photo of a view and the same view of the kernels next to it.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel_for.h"
 #include "gaussian/opacity.h"
@@ -43,91 +44,78 @@ void copy_row(const KernelParameters& from, size_t source, KernelParameters& to,
   }
 }
 
-void become_copies(KernelParameters& parameters, size_t kernel, int copies) {
-  const CopiedKernel copied = copied_kernel(opacity_of(parameters, kernel), copies);
-  const double opacity = std::clamp(copied.opacity, kDeadOpacity, 1 - 1e-6);
-  *parameters.row(Family::Opacity, kernel) = static_cast<float>(std::log(opacity / (1 - opacity)));
-  const auto shift = static_cast<float>(std::log(copied.scale_factor));
-  for (int i = 0; i < 3; ++i) parameters.row(Family::LogScale, kernel)[i] += shift;
+// Draws up to `count` different kernels with weights (Efraimidis and Spirakis 2006). Those without weight are
+// never drawn. In increasing order.
+std::vector<size_t> draw(const std::vector<float>& weights, size_t count, uint64_t seed, uint64_t stream) {
+  std::vector<std::pair<double, size_t>> keys;
+  for (size_t k = 0; k < weights.size(); ++k) {
+    if (!(weights[k] > 0)) continue;
+    keys.emplace_back(-std::log1p(-random_share(seed, stream, k)) / double{weights[k]}, k);
+  }
+  if (keys.size() > count) {
+    std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(count), keys.end());
+    keys.resize(count);
+  }
+  std::vector<size_t> drawn;
+  for (const auto& [key, k] : keys) drawn.push_back(k);
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
 }
 
-// Draws `draws` of the kernels with weights; returns the number of draws of each.
-std::vector<size_t> draw(const std::vector<double>& weights, size_t draws, uint64_t seed, uint64_t stream) {
-  std::vector<double> upto(weights.size());
-  double sum = 0;
-  for (size_t k = 0; k < weights.size(); ++k) upto[k] = sum += weights[k];
-  std::vector<size_t> drawn(draws);
-  for (size_t i = 0; i < draws; ++i) {
-    const double at = random_share(seed, stream, i) * sum;
-    const auto found = std::upper_bound(upto.begin(), upto.end(), at);
-    drawn[i] = std::min(static_cast<size_t>(found - upto.begin()), weights.size() - 1);
+// The halves of a kernel take its place and `second`.
+void split(KernelParameters& parameters, size_t kernel, size_t second, std::vector<float>& errors,
+           AdamState& adam) {
+  float* log_scale = parameters.row(Family::LogScale, kernel);
+  const auto axis = std::max_element(log_scale, log_scale + 3) - log_scale;
+  const float* q = parameters.row(Family::Rotation, kernel);
+  const Eigen::Vector3f offset =
+      static_cast<float>(kSplitOffset) * std::exp(log_scale[axis]) *
+      Eigen::Quaternionf(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix().col(axis);
+  log_scale[axis] += static_cast<float>(0.5 * std::log(1 - kSplitOffset * kSplitOffset));
+  const double opacity = split_opacity(opacity_of(parameters, kernel));
+  *parameters.row(Family::Opacity, kernel) = static_cast<float>(std::log(opacity / (1 - opacity)));
+  errors[kernel] *= 0.5f;
+  errors[second] = errors[kernel];
+  copy_row(parameters, kernel, parameters, second);
+  for (int i = 0; i < 3; ++i) {
+    parameters.row(Family::Position, kernel)[i] -= offset[i];
+    parameters.row(Family::Position, second)[i] += offset[i];
   }
-  return drawn;
+  adam.clear_row(kernel);
+  adam.clear_row(second);
 }
 
 }  // namespace
 
-CopiedKernel copied_kernel(double opacity, int copies) {
-  const double each = 1 - std::pow(1 - opacity, 1.0 / copies);
-  double sum = 0;
-  for (int i = 1; i <= copies; ++i) {
-    double binomial = 1, power = each;  // C(i - 1, k) and each^(k + 1)
-    for (int k = 0; k < i; ++k) {
-      sum += (k % 2 == 0 ? 1 : -1) * binomial * power / std::sqrt(k + 1.0);
-      binomial *= static_cast<double>(i - 1 - k) / (k + 1);
-      power *= each;
-    }
-  }
-  return {each, opacity / sum};
+double split_opacity(double opacity) {
+  const double at_centre = std::exp(-0.5 * kSplitOffset * kSplitOffset / (1 - kSplitOffset * kSplitOffset));
+  return std::clamp((1 - std::sqrt(1 - opacity)) / at_centre, kDeadOpacity, 0.99);
 }
 
-size_t relocate_dead(uint64_t seed, uint64_t step, KernelParameters& parameters, AdamState& adam) {
+size_t relocate_dead(uint64_t seed, uint64_t step, std::vector<float>& errors, KernelParameters& parameters,
+                     AdamState& adam) {
   std::vector<size_t> dead;
-  std::vector<double> weights(parameters.size());
-  double sum = 0;
   for (size_t k = 0; k < parameters.size(); ++k) {
-    const bool good = is_finite(parameters, k);
-    const double opacity = good ? opacity_of(parameters, k) : 0;
-    if (!good || opacity <= kDeadOpacity) {
-      dead.push_back(k);
-    } else {
-      sum += weights[k] = opacity;
-    }
+    if (is_finite(parameters, k) && opacity_of(parameters, k) > kDeadOpacity) continue;
+    dead.push_back(k);
+    errors[k] = 0;
   }
-  if (dead.empty() || !(sum > 0)) return 0;
-  const std::vector<size_t> drawn = draw(weights, dead.size(), seed, stream_of(kRelocateStream, step));
-  std::vector<int> copies(parameters.size(), 1);
-  for (size_t source : drawn) copies[source] = std::min(copies[source] + 1, kMaxCopies);
-  for (size_t k = 0; k < parameters.size(); ++k) {
-    if (copies[k] == 1) continue;
-    become_copies(parameters, k, copies[k]);
-    adam.clear_row(k);
-  }
-  for (size_t i = 0; i < dead.size(); ++i) {
-    copy_row(parameters, drawn[i], parameters, dead[i]);
-    adam.clear_row(dead[i]);
-  }
-  return dead.size();
+  const std::vector<size_t> drawn = draw(errors, dead.size(), seed, stream_of(kRelocateStream, step));
+  for (size_t i = 0; i < drawn.size(); ++i) split(parameters, drawn[i], dead[i], errors, adam);
+  return drawn.size();
 }
 
-size_t grow(uint64_t seed, uint64_t step, size_t cap, KernelParameters& parameters, AdamState& adam) {
+size_t grow(uint64_t seed, uint64_t step, size_t cap, std::vector<float>& errors,
+            KernelParameters& parameters, AdamState& adam) {
   const size_t count = parameters.size();
   const size_t wanted =
       std::min(cap, count + static_cast<size_t>(std::ceil(kGrowth * static_cast<double>(count))));
   if (wanted <= count) return 0;
-  std::vector<double> weights(count);
-  for (size_t k = 0; k < count; ++k) weights[k] = opacity_of(parameters, k);
-  const std::vector<size_t> drawn = draw(weights, wanted - count, seed, stream_of(kGrowStream, step));
-  std::vector<int> copies(count, 1);
-  for (size_t source : drawn) copies[source] = std::min(copies[source] + 1, kMaxCopies);
-  for (size_t k = 0; k < count; ++k) {
-    if (copies[k] == 1) continue;
-    become_copies(parameters, k, copies[k]);
-    adam.clear_row(k);
-  }
-  parameters.resize(wanted);
-  adam.resize(wanted);
-  for (size_t i = 0; i < drawn.size(); ++i) copy_row(parameters, drawn[i], parameters, count + i);
+  const std::vector<size_t> drawn = draw(errors, wanted - count, seed, stream_of(kGrowStream, step));
+  parameters.resize(count + drawn.size());
+  adam.resize(count + drawn.size());
+  errors.resize(count + drawn.size());
+  for (size_t i = 0; i < drawn.size(); ++i) split(parameters, drawn[i], count + i, errors, adam);
   return drawn.size();
 }
 

@@ -6,27 +6,33 @@
 
 #include "train/optimise/adam.h"
 
-// Densification as sampling: Kheradmand et al. 2024, 3D Gaussian Splatting as Markov Chain Monte Carlo.
+// Densification: kernels are split where the photos are not met. Where to split follows the error (Rota Bulo
+// et al. 2024, Revising Densification in Gaussian Splatting); the number of kernels, the moves of dead
+// kernels and the noise are those of Kheradmand et al. 2024, 3D Gaussian Splatting as Markov Chain Monte
+// Carlo.
 
 namespace livegs {
 
 inline constexpr double kDeadOpacity = 0.005;  // kernels up to this opacity are moved
-inline constexpr int kMaxCopies = 51;          // of one kernel at once
 inline constexpr double kGrowth = 0.05;        // share of new kernels at each growth
+// Distance of the halves of a split kernel from its centre, in standard deviations along its longest axis.
+// The halves have sqrt(1 - offset^2) = 0.6 of that axis, so that the pair has the mean and the covariance of
+// the kernel. Smaller: halves separate slowly. Larger: gaps between them.
+inline constexpr double kSplitOffset = 0.8;
 
-// Opacity and factor of the axes with which `copies` kernels in one place look like the one that they replace
-// (equation 9). opacity in (0, 1), copies in 1..kMaxCopies.
-struct CopiedKernel {
-  double opacity, scale_factor;
-};
-CopiedKernel copied_kernel(double opacity, int copies);
+// Opacity of each half: together they cover the centre of the kernel as it did. opacity in (0, 1).
+double split_opacity(double opacity);
 
-// Moves dead kernels, and those that are not finite, onto others that are drawn by opacity. Returns their
-// number.
-size_t relocate_dead(uint64_t seed, uint64_t step, KernelParameters& parameters, AdamState& adam);
+// `errors`: by kernel, the sum over pixels of its weight times the error of the pixel. Kernels are drawn with
+// these weights, each at most once; the halves of a split kernel have half of its error.
 
-// Adds kGrowth of the kernels, up to `cap`, as copies of kernels drawn by opacity. Returns their number.
-size_t grow(uint64_t seed, uint64_t step, size_t cap, KernelParameters& parameters, AdamState& adam);
+// Moves dead kernels, and those that are not finite, onto others, which are split. Returns their number.
+size_t relocate_dead(uint64_t seed, uint64_t step, std::vector<float>& errors, KernelParameters& parameters,
+                     AdamState& adam);
+
+// Splits kGrowth of the kernels, up to `cap` in all. Returns the number of new kernels.
+size_t grow(uint64_t seed, uint64_t step, size_t cap, std::vector<float>& errors,
+            KernelParameters& parameters, AdamState& adam);
 
 // Moves transparent kernels at random within their own covariance (equation 8). `rate`: learning rate of
 // positions, scene units.

@@ -26,8 +26,15 @@ constexpr float kAlphaWeight = 0.1f;
 // Steps between updates of the smallest axes, at most.
 constexpr uint64_t kMinScaleInterval = 100;
 constexpr double kRecentShare = 0.01;  // weight of a step in the recent loss
+// Fit of the pose of a held-out photo: number of steps, step in rad (positions: times the extent) at the
+// start, and the share of it at the end.
+constexpr int kPlacingSteps = 12;
+constexpr double kPlacingRate = 3e-4, kLastPlacingShare = 0.1;
 constexpr uint64_t kOrderStream = 2000, kBackgroundStream = 2001;
-constexpr size_t kKernelBlock = 1024, kRowBlock = 16;
+constexpr size_t kKernelBlock = 1024, kRowBlock = 16, kPlaneBlock = 16384;
+// Steps between views whose errors are measured for the densification. Smaller: slower steps. Larger: growth
+// follows fewer views.
+constexpr uint64_t kErrorInterval = 3;
 
 uint64_t densify_interval(size_t steps) { return std::max<uint64_t>(10, steps / 100); }
 
@@ -47,7 +54,7 @@ Result<void> check_options(const TrainOptions& options) {
 
 void planes_of(const CapturedPicture& picture, const Eigen::Vector3f& background, PicturePlanes& planes) {
   planes.resize(picture.width, picture.height);
-  parallel_for(planes.pixels(), 16384, [&](size_t begin, size_t end) {
+  parallel_for(planes.pixels(), kPlaneBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const uint8_t* rgba = &picture.rgba[4 * i];
       const float alpha = static_cast<float>(rgba[3]) / 255.0f, through = 1 - alpha;
@@ -67,6 +74,7 @@ int Trainer::State::sh_degree() const {
 
 Camera Trainer::State::camera_of(size_t index) const {
   Camera camera = pictures.camera(index);
+  camera.world_from_camera = poses[index].world_from_camera;
   camera.near_m = kNearShare * extent;
   return camera;
 }
@@ -157,8 +165,12 @@ Result<Trainer> Trainer::start(const Capture& capture, const TrainOptions& optio
   std::vector<CapturedView> views;
   for (size_t i : state->trained_views) views.push_back(capture.views[i]);
   state->extent = robust_extent(views);
+  state->poses.resize(capture.views.size());
+  for (size_t i = 0; i < capture.views.size(); ++i)
+    state->poses[i].world_from_camera = capture.views[i].camera.world_from_camera;
   state->kernels = initial_kernels(capture, state->extent, options.max_kernels, options.seed);
   state->adam.resize(state->kernels.size());
+  state->errors.resize(state->kernels.size());
   state->update_min_scales();
   return Trainer(std::move(state));
 }
@@ -169,6 +181,7 @@ bool Trainer::done() const { return state_->step >= state_->options.steps; }
 const KernelParameters& Trainer::kernels() const { return state_->kernels; }
 double Trainer::extent() const { return state_->extent; }
 double Trainer::recent_loss() const { return state_->recent_loss; }
+Camera Trainer::camera(size_t view) const { return state_->camera_of(view); }
 
 GaussianAsset Trainer::asset() const {
   // Until the first band is trained, the others are zero.
@@ -197,12 +210,12 @@ Result<void> Trainer::step() {
   s.view.draw(s.kernels, s.camera_of(index), view_options);
   double loss = s.loss.evaluate(s.view.picture(), s.target, (*photo)->counts, alpha_weight, s.by_picture);
   if (view_options.spread) loss += s.spread_loss((*photo)->counts);
-  s.view.backward(s.kernels, s.by_picture, s.gradient, s.by_spread);
+  const CameraGradient by_camera = s.view.backward(s.kernels, s.by_picture, s.gradient, s.by_spread);
+  const double progress = static_cast<double>(s.step) / static_cast<double>(options.steps);
+  if (progress < options.grow_until && s.step % kErrorInterval == 0) s.add_errors((*photo)->counts);
   loss += add_shape_loss(s.kernels, options.shape, s.extent, s.gradient);
 
-  const double progress = static_cast<double>(s.step) / static_cast<double>(options.steps);
-  const double factor =
-      std::clamp(std::sqrt(kFullSteps / static_cast<double>(options.steps)), 1.0, kMaxRateFactor);
+  const double factor = s.rate_factor();
   const double position_rate = factor * s.extent * options.position_rate *
                                std::pow(options.last_position_rate / options.position_rate, progress);
   const double anneal = factor * std::pow(options.last_rate_share, std::max(0.0, 2 * progress - 1));
@@ -213,6 +226,10 @@ Result<void> Trainer::step() {
               anneal * options.colour_rate,
               anneal * options.harmonics_rate};
   adam_step(s.gradient, rates, s.view.visible(), s.adam, s.kernels);
+  if (options.refine_poses && progress >= options.poses_from) {
+    const double rate = factor * options.pose_rate * std::pow(options.last_pose_share, progress);
+    step_camera_pose(by_camera, rate * s.extent, rate, s.poses[index]);
+  }
   for (size_t k = 0; k < s.kernels.size(); ++k) {
     float* log_scale = s.kernels.row(Family::LogScale, k);
     for (int i = 0; i < 3; ++i) log_scale[i] = std::max(log_scale[i], s.min_log_scales[k]);
@@ -222,14 +239,53 @@ Result<void> Trainer::step() {
   const uint64_t interval = densify_interval(options.steps);
   const bool grows = progress >= options.grow_from && progress < options.grow_until;
   if (grows && s.step % interval == 0) {
-    relocate_dead(options.seed, s.step, s.kernels, s.adam);
-    grow(options.seed, s.step, options.max_kernels, s.kernels, s.adam);
+    relocate_dead(options.seed, s.step, s.errors, s.kernels, s.adam);
+    grow(options.seed, s.step, options.max_kernels, s.errors, s.kernels, s.adam);
+    for (float& error : s.errors) error *= 0.5f;
     s.update_min_scales();
   } else if (s.step % kMinScaleInterval == 0) {
     s.update_min_scales();
   }
   if (progress < options.grow_until) add_noise(options.seed, s.step, position_rate, s.kernels);
   return {};
+}
+
+// Adds the errors of the last view to those of the kernels: the derivative by the colour, of a picture that
+// has the error in one channel, is the sum of the weights times the error.
+void Trainer::State::add_errors(std::span<const uint8_t> counts) {
+  const PicturePlanes& drawn = view.picture();
+  by_picture.resize(drawn.width, drawn.height);
+  parallel_for(drawn.pixels(), kPlaneBlock, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const bool seen = counts.empty() || counts[i] != 0;
+      by_picture.red[i] = seen ? std::abs(drawn.red[i] - target.red[i]) +
+                                     std::abs(drawn.green[i] - target.green[i]) +
+                                     std::abs(drawn.blue[i] - target.blue[i])
+                               : 0.0f;
+      by_picture.green[i] = by_picture.blue[i] = by_picture.alpha[i] = 0;
+    }
+  });
+  view.backward(kernels, by_picture, error_gradient);
+  for (size_t k = 0; k < kernels.size(); ++k) errors[k] += error_gradient.row(Family::Colour, k)[0];
+}
+
+double Trainer::State::rate_factor() const {
+  return std::clamp(std::sqrt(kFullSteps / static_cast<double>(options.steps)), 1.0, kMaxRateFactor);
+}
+
+// Fits the pose of a held-out photo to the kernels. Continues from the last call.
+void Trainer::State::place_held_out(size_t index, const CapturedPicture& photo,
+                                    const TrainedViewOptions& view_options) {
+  CameraPose& pose = poses[index];
+  pose = {.world_from_camera = pose.world_from_camera};
+  for (int k = 0; k < kPlacingSteps; ++k) {
+    view.draw(kernels, camera_of(index), view_options);
+    loss.evaluate(view.picture(), target, photo.counts, 0.0f, by_picture);
+    const CameraGradient by_camera = view.backward(kernels, by_picture, gradient);
+    const double rate =
+        kPlacingRate * std::pow(kLastPlacingShare, static_cast<double>(k) / (kPlacingSteps - 1));
+    step_camera_pose(by_camera, rate * extent, rate, pose);
+  }
 }
 
 Result<HeldOutScore> Trainer::State::score() {
@@ -240,6 +296,8 @@ Result<HeldOutScore> Trainer::State::score() {
     auto photo = pictures.picture(index);
     if (!photo) return photo.error();
     planes_of(**photo, view_options.background, target);
+    if (options.refine_poses && step >= options.poses_from * static_cast<double>(options.steps))
+      place_held_out(index, **photo, view_options);
     view.draw(kernels, camera_of(index), view_options);
     score.psnr_db += livegs::psnr_db(view.picture(), target, (*photo)->counts);
     score.ssim += loss.ssim(view.picture(), target);

@@ -4,6 +4,7 @@
 #include "capture/picture_store.h"
 #include "train/loss/picture_loss.h"
 #include "train/optimise/adam.h"
+#include "train/optimise/camera_pose.h"
 #include "train/render/trained_view.h"
 #include "train/trainer.h"
 
@@ -24,6 +25,8 @@ struct Trainer::State {
   KernelParameters kernels;
   AdamState adam;
   std::vector<float> min_log_scales;  // by kernel, see TrainOptions::min_axis_px
+  std::vector<float> errors;          // by kernel, see densify.h; halved at each growth
+  std::vector<CameraPose> poses;      // by view
   double recent_loss = 0;
 
   // Buffers.
@@ -31,7 +34,7 @@ struct Trainer::State {
   PictureLoss loss;
   PicturePlanes target, by_picture;
   std::vector<float> by_spread;  // by pixel; empty without the loss
-  KernelParameters gradient;
+  KernelParameters gradient, error_gradient;
   std::vector<size_t> order;  // views of the current epoch
   uint64_t order_epoch = ~uint64_t{0};
 
@@ -40,6 +43,9 @@ struct Trainer::State {
   size_t view_of_step();
   void update_min_scales();
   double spread_loss(std::span<const uint8_t> counts);
+  double rate_factor() const;
+  void add_errors(std::span<const uint8_t> counts);
+  void place_held_out(size_t index, const CapturedPicture& photo, const TrainedViewOptions& view_options);
   Result<HeldOutScore> score();
 };
 

@@ -94,9 +94,10 @@ int run(CaptureCommand command) {
     if (!existed && level.error().code != ErrorCode::Unavailable) fs::remove_all(work, error);
     return report(level.error());
   }
-  const Capture& capture = level->capture;
+  Capture& capture = level->capture;
 
   const fs::path splat = work / "captured.ply", picture = work / "captured.png";
+  const fs::path poses = work / "transforms.json";  // corrected by the training
   command.train.output = splat;
   const bool checkpoint = fs::exists(work / "captured.checkpoint", error);
   if (!fs::exists(splat, error) || checkpoint) {
@@ -114,6 +115,14 @@ int run(CaptureCommand command) {
     }
     std::printf("splat: %zu kernels, %.2f dB and SSIM %.3f on %zu held-out photos\n", outcome->kernels,
                 outcome->score.psnr_db, outcome->score.ssim, outcome->score.views);
+    for (size_t i = 0; i < capture.views.size(); ++i)
+      capture.views[i].camera.world_from_camera = outcome->poses[i];
+    if (auto written = write_file_atomically(poses, transforms_text(capture)); !written)
+      return report(written.error());
+  } else if (const auto trained = read_capture(poses);
+             trained && trained->views.size() == capture.views.size()) {
+    for (size_t i = 0; i < capture.views.size(); ++i)
+      capture.views[i].camera.world_from_camera = trained->views[i].camera.world_from_camera;
   }
   auto asset = read_asset(splat);
   if (!asset) return report(asset.error());

@@ -76,6 +76,8 @@ void add_train_options(CLI::App& command, TrainRun& run) {
   command.add_option("--size", run.train.longest_px, "Longest edge of the photos in training, pixels")
       ->check(CLI::Range(32, 16384))
       ->capture_default_str();
+  command.add_flag("--refine-poses", run.train.refine_poses,
+                   "Correct the poses of the cameras in training, for poses with errors of a pixel or more");
   add_device_option(command, run.device);
 }
 
@@ -140,6 +142,8 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
   if (auto written = write_asset(run.output, earlier_is_better ? *best : trainer->asset()); !written)
     return written.error();
   TrainOutcome outcome{*last, trainer->steps_done(), trainer->kernels().size(), !trainer->done()};
+  for (size_t i = 0; i < capture.views.size(); ++i)
+    outcome.poses.push_back(trainer->camera(i).world_from_camera);
   if (outcome.interrupted) {
     if (auto kept = keep(); !kept) return kept.error();
   } else if (!keeps) {

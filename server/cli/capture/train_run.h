@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "capture/capture.h"
 #include "cli/job/job.h"
@@ -28,8 +29,9 @@ struct TrainRun {
 struct TrainOutcome {
   HeldOutScore score;
   size_t steps = 0, kernels = 0;
-  bool interrupted = false;  // by Ctrl-C; the output is then the best splat so far
-  bool evicted = false;      // by SIGTERM; there is no output, and the job keeps the state
+  bool interrupted = false;   // by Ctrl-C; the output is then the best splat so far
+  bool evicted = false;       // by SIGTERM; there is no output, and the job keeps the state
+  std::vector<Pose> poses{};  // corrected ones of the cameras, by view
 };
 
 // Adds --steps, --kernels, --size and --device; the values of `run` are the defaults.

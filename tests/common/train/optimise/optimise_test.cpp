@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "train/optimise/adam.h"
 #include "train/optimise/densify.h"
@@ -48,65 +50,104 @@ TEST(Adam, HarmonicsOfUnseenKernelsKeepTheirMoments) {
   EXPECT_EQ(adam.second.row(Family::Harmonics, 1)[3], 0.0f);
 }
 
-// N copies in one place cover as much as the kernel: 1 - (1 - a')^N = a; one copy is the kernel itself.
-TEST(Densify, CopiesCoverAsMuchAsTheKernel) {
-  EXPECT_NEAR(copied_kernel(0.7, 1).opacity, 0.7, 1e-12);
-  EXPECT_NEAR(copied_kernel(0.7, 1).scale_factor, 1.0, 1e-12);
-  for (int copies : {2, 5, 20}) {
-    const CopiedKernel copied = copied_kernel(0.7, copies);
-    EXPECT_NEAR(1 - std::pow(1 - copied.opacity, copies), 0.7, 1e-12);
-    EXPECT_LT(copied.scale_factor, 1.0);
-    EXPECT_GT(copied.scale_factor, 0.5);
+// A turned kernel: the mixture of the halves has its mean and its covariance, and covers the centre as it
+// did.
+TEST(Densify, HalvesKeepTheMeanTheCovarianceAndTheCentre) {
+  KernelParameters kernels = like_kernels(1);
+  const Eigen::Quaternionf turn = Eigen::Quaternionf(0.8f, 0.3f, -0.4f, 0.2f).normalized();
+  const float q[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
+  std::copy_n(q, 4, kernels.row(Family::Rotation, 0));
+  const Eigen::Vector3f centre(1, 2, 3);
+  for (int i = 0; i < 3; ++i) {
+    kernels.row(Family::Position, 0)[i] = centre[i];
+    kernels.row(Family::LogScale, 0)[i] = std::log(0.1f * static_cast<float>(1 + (i + 1) % 3));
   }
-}
-
-// The copies leave the integral of the blended ray unchanged, which is how equation 9 is derived: the sum of
-// the terms of the blend along the axis equals a sqrt(2 pi) s.
-TEST(Densify, CopiesKeepTheOpacityAlongALine) {
-  const double opacity = 0.6;
-  const int copies = 3;
-  const CopiedKernel copied = copied_kernel(opacity, copies);
-  const double scale = copied.scale_factor;
-  double before = 0, after = 0;
-  for (double x = -8; x <= 8; x += 0.001) {
-    before += opacity * std::exp(-0.5 * x * x);
-    const double one = copied.opacity * std::exp(-0.5 * x * x / (scale * scale));
-    after += 1 - std::pow(1 - one, copies);
-  }
-  EXPECT_NEAR(after / before, 1.0, 1e-3);
+  const double opacity = 0.5;
+  *kernels.row(Family::Opacity, 0) = static_cast<float>(std::log(opacity / (1 - opacity)));
+  const auto covariance = [&](size_t k) {
+    Eigen::Vector3f variance;
+    for (int i = 0; i < 3; ++i) variance[i] = std::exp(2 * kernels.row(Family::LogScale, k)[i]);
+    const Eigen::Matrix3f r = turn.toRotationMatrix();
+    return Eigen::Matrix3f(r * variance.asDiagonal() * r.transpose());
+  };
+  const auto offset = [&](size_t k) {
+    return Eigen::Vector3f(Eigen::Map<const Eigen::Vector3f>(kernels.row(Family::Position, k)) - centre);
+  };
+  const Eigen::Matrix3f before = covariance(0);
+  AdamState adam;
+  adam.resize(1);
+  std::vector<float> errors = {4};
+  ASSERT_EQ(grow(1, 10, 2, errors, kernels, adam), 1u);
+  EXPECT_EQ(errors, (std::vector<float>{2, 2}));
+  EXPECT_NEAR((offset(0) + offset(1)).norm(), 0, 1e-6);
+  EXPECT_NEAR(offset(0).norm(), kSplitOffset * 0.3, 1e-6);
+  const Eigen::Matrix3f after = covariance(0) + offset(0) * offset(0).transpose();
+  EXPECT_NEAR((after - before).norm(), 0, 1e-6);
+  const double each = 1 / (1 + std::exp(-double{*kernels.row(Family::Opacity, 1)}));
+  const double at_centre = each * std::exp(-0.5 * offset(1).dot(covariance(1).inverse() * offset(1)));
+  EXPECT_NEAR(1 - (1 - at_centre) * (1 - at_centre), opacity, 1e-5);
 }
 
 TEST(Densify, DeadAndNotFiniteKernelsAreMoved) {
-  KernelParameters kernels = like_kernels(6);
-  for (size_t k = 0; k < 6; ++k) kernels.row(Family::Position, k)[0] = static_cast<float>(k);
+  KernelParameters kernels = like_kernels(10);
+  for (size_t k = 0; k < 10; ++k) kernels.row(Family::Position, k)[0] = 100 * static_cast<float>(k);
   *kernels.row(Family::Opacity, 1) = -9.0f;  // transparent
   kernels.row(Family::Position, 2)[1] = std::numeric_limits<float>::quiet_NaN();
   kernels.row(Family::Rotation, 3)[0] = 0.0f;  // no direction
   kernels.row(Family::Harmonics, 4)[7] = std::numeric_limits<float>::infinity();
   AdamState adam;
-  adam.resize(6);
+  adam.resize(10);
   for (auto& family : adam.first.families) std::fill(family.begin(), family.end(), 1.0f);
-  EXPECT_EQ(relocate_dead(1, 10, kernels, adam), 4u);
-  for (size_t k = 1; k <= 4; ++k) {
-    const float place = kernels.row(Family::Position, k)[0];
-    EXPECT_TRUE(place == 0.0f || place == 5.0f) << place;
+  std::vector<float> errors(10, 1.0f);
+  errors[9] = 0;  // never drawn
+  EXPECT_EQ(relocate_dead(1, 10, errors, kernels, adam), 4u);
+  std::vector<int> halves(10, 0);
+  for (size_t k = 0; k < 10; ++k) {
+    const float place = kernels.row(Family::Position, k)[0] / 100;
+    const auto source = static_cast<size_t>(std::lround(place));
+    ASSERT_LT(source, 10u);
+    EXPECT_NEAR(place, static_cast<float>(source), 0.01f);
+    ++halves[source];
     EXPECT_EQ(kernels.row(Family::Position, k)[1], 0.0f);
-    EXPECT_EQ(adam.first.row(Family::Position, k)[0], 0.0f);
+    if (k >= 1 && k <= 4) EXPECT_EQ(adam.first.row(Family::Position, k)[0], 0.0f);
   }
+  for (size_t k : {1, 2, 3, 4}) EXPECT_EQ(halves[k], 0);
+  EXPECT_EQ(halves[9], 1);
+  for (size_t k : {0, 5, 6, 7, 8}) EXPECT_LE(halves[k], 2);  // each is split once at most
   for (const auto& family : kernels.families) {
     for (float number : family) EXPECT_TRUE(std::isfinite(number));
   }
+}
+
+// Of two groups of equal size, the one with nine times the error gets nine tenths of the new kernels.
+TEST(Densify, NewKernelsFollowTheError) {
+  KernelParameters kernels = like_kernels(20'000);
+  std::vector<float> errors(20'000, 1.0f);
+  for (size_t k = 0; k < 10'000; ++k) {
+    errors[k] = 9;
+    kernels.row(Family::Position, k)[0] = 100;
+  }
+  AdamState adam;
+  adam.resize(20'000);
+  ASSERT_EQ(grow(3, 10, 30'000, errors, kernels, adam), 1000u);
+  int first = 0;
+  for (size_t k = 20'000; k < kernels.size(); ++k) first += kernels.row(Family::Position, k)[0] > 50 ? 1 : 0;
+  EXPECT_NEAR(first, 900, 30);  // three standard deviations
 }
 
 TEST(Densify, GrowthStopsAtTheCap) {
   KernelParameters kernels = like_kernels(100);
   AdamState adam;
   adam.resize(100);
-  EXPECT_EQ(grow(1, 10, 1000, kernels, adam), 5u);
+  std::vector<float> errors(100, 1.0f);
+  EXPECT_EQ(grow(1, 10, 1000, errors, kernels, adam), 5u);
   EXPECT_EQ(kernels.size(), 105u);
   EXPECT_EQ(adam.first.size(), 105u);
-  EXPECT_EQ(grow(1, 20, 107, kernels, adam), 2u);
-  EXPECT_EQ(grow(1, 30, 107, kernels, adam), 0u);
+  EXPECT_EQ(errors.size(), 105u);
+  EXPECT_EQ(grow(1, 20, 107, errors, kernels, adam), 2u);
+  EXPECT_EQ(grow(1, 30, 107, errors, kernels, adam), 0u);
+  std::fill(errors.begin(), errors.end(), 0.0f);
+  EXPECT_EQ(grow(1, 40, 1000, errors, kernels, adam), 0u);
 }
 
 TEST(Densify, NoiseMovesTransparentKernelsAlongTheirAxes) {

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "common/train/run/small_capture.h"
 #include "core/parallel_for.h"
 #include "scratch_folder.h"
+#include "train/optimise/random_number.h"
 #include "train/render/trained_view.h"
 #include "train/run/initial_kernels.h"
 #include "train/run/scene_extent.h"
@@ -47,6 +49,53 @@ TEST(Trainer, FitsASmallScene) {
   EXPECT_GT(after->psnr_db, 25);
   EXPECT_GT(after->ssim, 0.8);
   EXPECT_LE(trainer->asset().size(), 400u);
+}
+
+// Poses that are wrong by half a degree and one per cent of the distance. Errors that all cameras have in
+// common are those of the frame and do not count.
+TEST(Trainer, PosesAreCorrected) {
+  ScratchFolder folder;
+  SmallCapture small;
+  small.views = 32;
+  small.width = 96;
+  small.height = 72;
+  write_small_capture(folder.path(), small);
+  auto capture = read_capture(folder.path());
+  ASSERT_TRUE(capture) << capture.error().message;
+  const Capture exact = *capture;
+  for (size_t i = 0; i < capture->views.size(); ++i) {
+    const auto number = [&](uint64_t stream) { return random_share(5, stream, i) - 0.5; };
+    Pose& pose = capture->views[i].camera.world_from_camera;
+    pose.position_m += 0.04 * Eigen::Vector3d(number(1), number(2), number(3));
+    const Eigen::Vector3d axis = Eigen::Vector3d(number(4), number(5), number(6)).normalized();
+    pose.orientation = (Eigen::AngleAxisd(0.5 * M_PI / 180, axis) * pose.orientation).normalized();
+  }
+  // Root mean square of the errors of the place of the origin in the pictures, rad.
+  const auto error_rad = [&](const Trainer& trainer) {
+    double squares = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < exact.views.size(); ++i) {
+      if (exact.views[i].held_out) continue;
+      const Eigen::Vector3d right =
+                                exact.views[i].camera.world_from_camera.inverse() * Eigen::Vector3d::Zero(),
+                            found = trainer.camera(i).world_from_camera.inverse() * Eigen::Vector3d::Zero();
+      squares += (found.normalized() - right.normalized()).squaredNorm();
+      ++count;
+    }
+    return std::sqrt(squares / static_cast<double>(count));
+  };
+  double errors[2], scores[2];
+  for (const bool refines : {false, true}) {
+    TrainOptions options = short_options(600);
+    options.refine_poses = refines;
+    auto trainer = Trainer::start(*capture, options);
+    ASSERT_TRUE(trainer) << trainer.error().message;
+    take_steps(*trainer, 600);
+    errors[refines ? 1 : 0] = error_rad(*trainer);
+    scores[refines ? 1 : 0] = trainer->score()->psnr_db;
+  }
+  EXPECT_LT(errors[1], 0.6 * errors[0]);
+  EXPECT_GT(scores[1], scores[0] + 1);
 }
 
 TEST(Trainer, ThreadsDoNotChangeABit) {
