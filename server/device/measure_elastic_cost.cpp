@@ -12,7 +12,7 @@
 #include "core/log.h"
 #include "core/percentile.h"
 #include "device/device_elastic.h"
-#include "physics/elastic/factory/make_elastic_body.h"
+#include "physics/elastic_body.h"
 
 namespace livegs {
 namespace {
@@ -42,7 +42,7 @@ Result<std::unique_ptr<ElasticBody>> make_block(int across, int substeps) {
   block.cell_width_m = kWidth_m;
   block.substeps = substeps;
   block.angular_velocity_rad_s = {1.0, 2.0, 3.0};
-  return make_elastic_body(block, ElasticSolver::Cells, kRate_hz, kSubsteps, false);
+  return make_elastic_body(block, kRate_hz, kSubsteps, false);
 }
 
 struct Measured {

@@ -5,16 +5,13 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <stop_token>
 #include <vector>
 
-#include "core/result.h"
 #include "geometry/fracture/voronoi_pieces.h"
 #include "physics/collision/collision_shape.h"
-#include "physics/material.h"
 
-// Pieces of a fragile body, computed at load: its Voronoi cut, with mass share and contact shape of each
-// piece. Fragments of several pieces are assembled from these at fracture time, which is cheap.
+// Pieces of a fragile body, computed at load (server/prepare): its Voronoi cut, with mass share and contact
+// shape of each piece. Fragments of several pieces are assembled from these at fracture time, which is cheap.
 
 namespace livegs {
 
@@ -35,18 +32,6 @@ struct BreakablePieces {
   VoronoiPieces cut;
   std::vector<BreakablePiece> pieces;  // parallel to cut.pieces
 };
-
-struct BreakableOptions {
-  size_t piece_count = 32;  // requested, 1 to 64
-  uint64_t seed = 1;
-  std::stop_token stop{};
-};
-
-// Cuts a closed mesh (object frame). Mass is distributed over the volume, or evenly over the outer surface if
-// `fill` is a shell and the mesh has no inner wall. May be called from any thread; takes seconds for a fine
-// mesh. The result does not depend on the thread count. Errors describe the defect of the mesh.
-Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh& mesh, Fill fill,
-                                                              const BreakableOptions& options = {});
 
 // Mass properties per kg of a set of pieces (ascending indices, at least one), object frame. Volume and area
 // are sums.

@@ -4,17 +4,18 @@
 #include <Eigen/Core>
 #include <memory>
 #include <variant>
+#include <vector>
 
 #include "core/pose.h"
 #include "geometry/field/distance_field.h"
 #include "geometry/mesh/triangle_tree.h"
+#include "physics/collision/bounding_sphere_tree.h"
 
 // Static collision geometry.
 
 namespace livegs {
 
 struct ConvexPolyhedron;
-struct RidgePoints;
 
 struct PlaneShape {};  // the half-space y <= 0 of the collider's frame is solid
 struct BoxShape {
@@ -32,6 +33,12 @@ struct RoundShape {
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  // unit
   double radius_m = 0.0, half_length_m = 0.0;
+};
+// Points along a mesh's convex edges, corners included, in the mesh's frame. They are tested against bodies
+// because an edge may press into a face between the body's contact points.
+struct RidgePoints {
+  std::vector<Eigen::Vector3d> points_m;
+  BoundingSphereTree tree;  // of points_m
 };
 struct FieldShape {
   // A mesh or the captured background; immutable, shared by threads.

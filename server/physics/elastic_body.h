@@ -295,13 +295,18 @@ class ElasticBody {
                                          const Eigen::Vector3d& direction) const = 0;
 };
 
-enum class ElasticSolver {
-  Cells,
-  LivegsV1,        // as published: the same blend factor at any substep
-  LivegsV1Steady,  // blend factor converted to a stiffness at the paper's step of 1/240 s
-};
-
 // Fails with the reason if the description is not physical (no particles, a value out of range, …).
 Result<void> check_elastic_body(const ElasticBodyDescription& description);
+// Also fails if `rate_hz` or `substeps` is out of range.
+Result<void> check_elastic_body(const ElasticBodyDescription& description, double rate_hz, int substeps);
+
+// Makes a body of one solver; fails as check_elastic_body. `rate_hz` and `substeps` are the scene's. A body
+// may take more substeps, never fewer.
+using ElasticBodyFactory = Result<std::unique_ptr<ElasticBody>> (*)(const ElasticBodyDescription& description,
+                                                                    double rate_hz, int substeps,
+                                                                    bool may_sleep);
+// The product's solver, `cells`; for others see server/baseline and server/study/peers.
+Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
+                                                       double rate_hz, int substeps, bool may_sleep);
 
 }  // namespace livegs

@@ -43,13 +43,4 @@ struct Material {
 double deformation_resistance(double effective_youngs_modulus_pa);
 double effective_youngs_modulus_pa(double deformation_resistance);
 
-// Stiffness per mass for d_R: omega² = d_R / ((1 - d_R) h_ref²) in 1/s², 0 … infinity (rigid). d_R is the
-// fraction of the distance to its goal that a particle moves in one substep, so the effective stiffness
-// depends on the substep. h_ref is the paper's substep: 60 Hz with 4 substeps.
-inline constexpr double kPaperSubstep_s = 1.0 / 240.0;
-double resistance_stiffness_per_s2(double deformation_resistance);
-// Blend factor for any substep h: omega² h² / (1 + omega² h²), the implicit step of the spring; 1 if omega²
-// is infinite. Equals d_R at kPaperSubstep_s.
-double resistance_blend(double stiffness_per_s2, double substep_s);
-
 }  // namespace livegs

@@ -35,9 +35,9 @@ inline constexpr double kMaxSubstep_s = 1.0 / 30.0;
 
 struct WorldSettings {
   Eigen::Vector3d gravity_m_s2{0, -9.81, 0};
-  double rate_hz = 90.0;  // ticks per second
-  int substeps = 4;       // per tick; raised to min_substeps() if fewer
-  ElasticSolver elastic_solver = ElasticSolver::Cells;
+  double rate_hz = 90.0;                                // ticks per second
+  int substeps = 4;                                     // per tick; raised to min_substeps() if fewer
+  ElasticBodyFactory make_elastic = make_elastic_body;  // the solver of elastic bodies
   bool sleep = true;
   // Per tick, all elastic bodies together (share_elastic_budget.h).
   double elastic_node_substeps = kMaxNodeSubsteps;

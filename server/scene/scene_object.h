@@ -69,7 +69,7 @@ struct SceneObject {
 struct SceneOptions {
   std::optional<double> rate_hz;  // overrides the scene's value
   std::optional<int> substeps;
-  ElasticSolver elastic_solver = ElasticSolver::Cells;
+  ElasticBodyFactory make_elastic = make_elastic_body;  // one of elastic_solvers()
   bool sleep = true;
   uint64_t seed = 1;  // seed of the cuts of fragile objects
   bool drop = false;  // objects of a folder fall from a small height instead of standing

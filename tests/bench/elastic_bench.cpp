@@ -16,7 +16,7 @@
 #include <string>
 
 #include "geometry/surface/shape_mesh.h"
-#include "physics/elastic/factory/make_elastic_body.h"
+#include "physics/elastic_body.h"
 #include "server/physics/elastic/quarter_shell.h"
 #include "study/peers/bullet_body.h"
 
@@ -72,8 +72,7 @@ double report(const char* name, const ElasticBodyDescription& description, bool 
     }
   }
   auto made = by == By::Bullet ? study::make_bullet_body(description, stage.rate_hz, stage.substeps)
-                               : make_elastic_body(description, ElasticSolver::Cells, stage.rate_hz,
-                                                   stage.substeps, false);
+                               : make_elastic_body(description, stage.rate_hz, stage.substeps, false);
   if (!made) {
     std::fprintf(stderr, "%s: %s\n", name, made.error().message.c_str());
     return 0.0;

@@ -24,7 +24,7 @@ namespace {
 constexpr double kRate_hz = 90.0, kSeconds = 8.0, kLanding_s = 3.0;
 
 World heap(int count, bool apart) {
-  World world = world_with(ElasticSolver::Cells, kRate_hz);
+  World world = world_with(make_elastic_body, kRate_hz);
   world.add_collider(floor_plane(0.6));
   const int columns = apart ? static_cast<int>(std::ceil(std::sqrt(count))) : 3;
   const double pitch_m = apart ? 0.3 : 0.24, half_m = 0.5 * columns * pitch_m + 0.02;

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "physics/breakable_pieces.h"
+#include "prepare/prepare_pieces.h"
 #include "scenes/rigid_fixtures.h"
 #include "server/geometry/fracture/fracture_shapes.h"
 

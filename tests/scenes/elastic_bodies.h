@@ -8,7 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include "physics/elastic/factory/make_elastic_body.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/elastic_body.h"
 #include "physics/elastic_device.h"
@@ -76,9 +75,9 @@ struct Stage {
   std::unique_ptr<ElasticBody> body;
   double time_s = 0.0;
 
-  void make(const ElasticBodyDescription& description, ElasticSolver solver = ElasticSolver::Cells,
+  void make(const ElasticBodyDescription& description, ElasticBodyFactory solver = make_elastic_body,
             bool may_sleep = false) {
-    auto made = make_elastic_body(description, solver, rate_hz, substeps, may_sleep);
+    auto made = solver(description, rate_hz, substeps, may_sleep);
     ASSERT_TRUE(made.has_value()) << made.error().message;
     body = std::move(*made);
   }

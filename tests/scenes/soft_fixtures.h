@@ -25,13 +25,13 @@ inline ElasticBodyDescription soft_block(uint32_t id, const Vector3d& size_m, do
   return description;
 }
 
-inline World world_with(ElasticSolver solver, double rate_hz, const Vector3d& gravity = {0, -kGravity, 0},
-                        int substeps = 4) {
+inline World world_with(ElasticBodyFactory solver, double rate_hz,
+                        const Vector3d& gravity = {0, -kGravity, 0}, int substeps = 4) {
   WorldSettings settings;
   settings.substeps = substeps;
   settings.rate_hz = rate_hz;
   settings.gravity_m_s2 = gravity;
-  settings.elastic_solver = solver;
+  settings.make_elastic = solver;
   return World(settings);
 }
 

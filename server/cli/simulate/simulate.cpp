@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "baseline/elastic_solvers.h"
 #include "cli/choose_device.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
@@ -44,14 +45,6 @@ double peak_memory_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
-
-// In the order of ElasticSolver.
-const std::vector<std::string> kSolvers = {"cells", "livegs-v1", "livegs-v1-steady"};
-
-ElasticSolver solver_of(const std::string& name) {
-  if (name == kSolvers[1]) return ElasticSolver::LivegsV1;
-  return name == kSolvers[2] ? ElasticSolver::LivegsV1Steady : ElasticSolver::Cells;
 }
 
 void write_stiffness(const MaterialAccuracy& accuracy, nlohmann::json& summary) {
@@ -168,7 +161,7 @@ int run(const SimulateCommand& options) {
   SceneOptions scene_options;
   if (options.rate_hz > 0) scene_options.rate_hz = options.rate_hz;
   if (options.substeps > 0) scene_options.substeps = options.substeps;
-  scene_options.elastic_solver = solver_of(options.solver);
+  scene_options.make_elastic = elastic_solvers().at(options.solver);
   scene_options.sleep = !options.no_sleep;
   scene_options.seed = options.seed;
   scene_options.drop = options.drop;
@@ -280,7 +273,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
           "--elastic-solver", options->solver,
           "cells; livegs-v1, the LIVE-GS paper's solver; or livegs-v1-steady, the same with a stiffness that "
           "does not depend on the substep")
-      ->check(CLI::IsMember(kSolvers))
+      ->check(CLI::IsMember(elastic_solvers()))
       ->capture_default_str();
   command->add_option("--physics", options->physics, kPhysicsHelp)
       ->check(CLI::IsMember(kPhysicsChoices))

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/text/format_text.h"
 #include "physics/check/check_values.h"
 #include "physics/surface_friction.h"
 
@@ -97,6 +98,15 @@ Result<void> check_elastic_body(const ElasticBodyDescription& description) {
   LIVEGS_RETURN_IF_ERROR(check_stiffness(description.object_id, description.material));
   LIVEGS_RETURN_IF_ERROR(check_pose(description.object_id, description.world_from_object));
   return check_motion(description);
+}
+
+Result<void> check_elastic_body(const ElasticBodyDescription& description, double rate_hz, int substeps) {
+  LIVEGS_RETURN_IF_ERROR(check_elastic_body(description));
+  if (!(rate_hz > 0.0) || !std::isfinite(rate_hz))
+    return not_physical(description, format_text("rate_hz is %g; it must be above 0", rate_hz));
+  if (substeps < 1 || substeps > 10000)
+    return not_physical(description, format_text("substeps is %d; it must be 1 to 10000", substeps));
+  return {};
 }
 
 void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}

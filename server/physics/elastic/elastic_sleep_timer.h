@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-namespace livegs {
+#include "physics/motion/lasting_time.h"
 
-// How long a body must be in a state before it counts: still, stuck or tangled.
-inline constexpr double kLastingTime_s = 0.5;
+namespace livegs {
 
 // Sleep state of an elastic body (rigid bodies: physics/rigid/rigid_sleep.h): it may sleep after being still
 // for kLastingTime_s.

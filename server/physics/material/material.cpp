@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LIVE-GS (Mao et al.): the table that maps the stiffness s E to a deformation resistance. The resistance is
-// a blend factor, not a stiffness; resistance_stiffness_per_s2() converts it at the paper's substep.
+// LIVE-GS (Mao et al.): the table that maps the stiffness s E to a deformation resistance.
 #include "physics/material.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 
 namespace livegs {
 namespace {
@@ -36,18 +33,6 @@ double deformation_resistance(double effective_youngs_modulus_pa) {
 
 double effective_youngs_modulus_pa(double deformation_resistance) {
   return interpolate(&BreakPoint::resistance, &BreakPoint::stiffness_pa, deformation_resistance);
-}
-
-double resistance_stiffness_per_s2(double deformation_resistance) {
-  const double resistance = std::clamp(deformation_resistance, 0.0, 1.0);
-  if (resistance == 1.0) return std::numeric_limits<double>::infinity();
-  return resistance / ((1.0 - resistance) * kPaperSubstep_s * kPaperSubstep_s);
-}
-
-double resistance_blend(double stiffness_per_s2, double substep_s) {
-  if (std::isinf(stiffness_per_s2)) return 1.0;
-  const double odds = stiffness_per_s2 * substep_s * substep_s;
-  return odds / (1.0 + odds);
 }
 
 }  // namespace livegs

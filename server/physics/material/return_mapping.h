@@ -8,7 +8,7 @@
 // The cell's deformation F (world from rest) has the stretch U = sqrt(Fᵀ F). The plastic part D in the rest
 // frame is symmetric, positive definite, and has det D = 1. D is the goal of shape matching: the elastic
 // energy is mu |U - D|² + lambda/2 (det F - 1)². LIVE-GS's plasticity p sets two limits: the cell yields at a
-// strain of 1 - p, and |D - I| <= p (Frobenius). Unlike the paper's rule (livegs_v1_body.h), the result
+// strain of 1 - p, and |D - I| <= p (Frobenius). Unlike the paper's rule (server/baseline), the result
 // is independent of rate and step size, volume is preserved, and degenerate cells do not flow.
 //
 //   strain  e = dev(U - D), dev the part without trace

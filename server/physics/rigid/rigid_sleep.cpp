@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "physics/motion/lasting_time.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/joint/joint_group.h"
 #include "physics/rigid/rigid_islands.h"
@@ -40,7 +41,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
   }
   for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingManifold, Eigen::Vector3d::Zero())) {
     const bool still = std::ranges::all_of(island.bodies, [](const RigidBody* body) {
-      return body->still_s >= kTimeToSleep_s && !body->island_awake;
+      return body->still_s >= kLastingTime_s && !body->island_awake;
     });
     if (!still) continue;
     for (RigidBody* body : island.bodies) body->sleep(island.bodies.front()->body_id() + 1);

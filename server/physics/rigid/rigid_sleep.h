@@ -12,11 +12,10 @@
 
 namespace livegs {
 
-// Sleep criterion: in contact and slower than this at three points for
-// kTimeToSleep_s. The speed is for a size of 1 m (Jolt's value) and scales with the square root of size
-// below, like speeds under gravity. Larger: bodies sleep earlier and may stop while moving visibly.
+// Sleep criterion: in contact and slower than this at three points for kLastingTime_s. The speed is for a
+// size of 1 m (Jolt's value) and scales with the square root of size below, like speeds under gravity.
+// Larger: bodies sleep earlier and may stop while moving visibly.
 inline constexpr double kSleepSpeed_m_s = 0.03;
-inline constexpr double kTimeToSleep_s = 0.5;
 // The speed for the size of a shape. Contacts slower than this do not bounce (find_contacts.cpp).
 double sleep_speed_m_s(const RigidShape& shape);
 

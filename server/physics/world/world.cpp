@@ -10,7 +10,6 @@
 #include "physics/check/check_values.h"
 #include "physics/collision/convex_polyhedron.h"
 #include "physics/collision/surface_points.h"
-#include "physics/elastic/factory/make_elastic_body.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
@@ -260,8 +259,7 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
   const uint32_t id = description.object_id;
   if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
   const WorldSettings& settings = state_->settings;
-  auto body = make_elastic_body(description, settings.elastic_solver, settings.rate_hz, settings.substeps,
-                                settings.sleep);
+  auto body = settings.make_elastic(description, settings.rate_hz, settings.substeps, settings.sleep);
   if (!body) return body.error();
   ElasticObject object;
   object.body = std::move(body).value();

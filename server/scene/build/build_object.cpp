@@ -12,7 +12,7 @@
 #include "geometry/surface/mesh_facts.h"
 #include "geometry/surface/shape_mesh.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
-#include "physics/mesh_collider.h"
+#include "prepare/mesh_collider.h"
 #include "scene/build/fracture_warning.h"
 #include "scene/build/part_materials.h"
 #include "scene/build/place_asset.h"

@@ -34,8 +34,7 @@ std::string key_of(const v1::Object& object, const fs::path& folder, int index, 
   described.clear_part();
   std::string key = "object " + bytes_of(described) + '\n' + bytes_of(sidecar) + '\n' +
                     sidecar_path.string() + '\n' + std::to_string(settings.rate_hz) + ' ' +
-                    std::to_string(settings.substeps) + ' ' +
-                    std::to_string(static_cast<int>(settings.elastic_solver)) + '\n';
+                    std::to_string(settings.substeps) + '\n';
   switch (object.form_case()) {
     case v1::Object::kAsset:
       return key + BuildCache::stamp_of(folder / object.asset());

@@ -14,7 +14,7 @@
 #include "core/pose.h"
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
-#include "physics/breakable_pieces.h"
+#include "prepare/prepare_pieces.h"
 #include "skin/rest_body.h"
 
 // Data that a fragile object needs to break within one frame: its pieces and their kernels. Prepared on a

@@ -32,7 +32,7 @@ double fair_share(std::span<const ResolutionRequest> requests, double budget_nod
 
 void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built,
                           const WorldSettings& settings) {
-  if (settings.elastic_solver != ElasticSolver::Cells) return;
+  if (settings.make_elastic != make_elastic_body) return;
   const double budget = settings.elastic_node_substeps;
   std::vector<ElasticBodyDescription*> bodies;
   std::vector<ResolutionRequest> requests;

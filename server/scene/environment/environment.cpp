@@ -13,7 +13,7 @@
 #include "geometry/reconstruct_surface.h"
 #include "geometry/surface/shape_mesh.h"
 #include "parts/labelled_room.h"
-#include "physics/mesh_collider.h"
+#include "prepare/mesh_collider.h"
 #include "scene/build/build_cache.h"
 #include "scene/build/shape_asset.h"
 #include "scene/environment/environment_frame.h"

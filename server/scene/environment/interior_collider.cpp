@@ -8,7 +8,7 @@
 
 #include "core/log.h"
 #include "geometry/reconstruct_surface.h"
-#include "physics/mesh_collider.h"
+#include "prepare/mesh_collider.h"
 
 namespace livegs {
 namespace {

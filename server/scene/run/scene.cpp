@@ -59,7 +59,7 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
   }
   if (file.has_elastic_budget_ms())
     settings.elastic_node_substeps = file.elastic_budget_ms() / kNodeSubstep_ms;
-  settings.elastic_solver = options.elastic_solver;
+  settings.make_elastic = options.make_elastic;
   settings.sleep = options.sleep;
   return settings;
 }

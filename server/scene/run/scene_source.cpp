@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baseline/elastic_solvers.h"
 #include "livegs/v1/recording.pb.h"
 #include "scene/scene.h"
 
 namespace livegs {
-namespace {
-
-const std::map<std::string, ElasticSolver> kSolvers{{"cells", ElasticSolver::Cells},
-                                                    {"livegs-v1", ElasticSolver::LivegsV1},
-                                                    {"livegs-v1-steady", ElasticSolver::LivegsV1Steady}};
-
-}  // namespace
 
 v1::SceneSource Scene::source() const {
   v1::SceneSource source;
@@ -20,8 +14,8 @@ v1::SceneSource Scene::source() const {
   if (options_.substeps) source.set_substeps(*options_.substeps);
   source.set_seed(options_.seed);
   source.set_sleep(options_.sleep);
-  for (const auto& [name, solver] : kSolvers) {
-    if (solver == options_.elastic_solver) source.set_elastic_solver(name);
+  for (const auto& [name, make] : elastic_solvers()) {
+    if (make == options_.make_elastic) source.set_elastic_solver(name);
   }
   source.set_cut_fragile(options_.cut_fragile);
   source.set_waited_for_pieces(options_.wait_for_pieces);
@@ -36,10 +30,10 @@ Result<Scene> Scene::build_again(const v1::SceneSource& source, const std::files
   SceneOptions options;
   if (source.has_rate_hz()) options.rate_hz = source.rate_hz();
   if (source.has_substeps()) options.substeps = source.substeps();
-  const auto solver = kSolvers.find(source.elastic_solver());
-  if (solver == kSolvers.end())
+  const auto solver = elastic_solvers().find(source.elastic_solver());
+  if (solver == elastic_solvers().end())
     return unsupported("elastic solver \"" + source.elastic_solver() + "\": not supported by this version");
-  options.elastic_solver = solver->second;
+  options.make_elastic = solver->second;
   options.seed = source.seed();
   options.sleep = source.sleep();
   options.cut_fragile = source.cut_fragile();

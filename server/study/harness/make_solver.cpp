@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/harness/make_solver.h"
 
-#include "physics/elastic/factory/make_elastic_body.h"
+#include "baseline/elastic_solvers.h"
 #include "study/peers/bullet_body.h"
 #include "study/peers/bullet_rigid.h"
 #include "study/peers/livegs_rigid.h"
@@ -13,12 +13,11 @@ Result<std::unique_ptr<ElasticBody>> make_study_body(const Setup& setup,
                                                      const ElasticBodyDescription& description) {
   switch (setup.engine) {
     case Engine::Cells:
-      return make_elastic_body(description, ElasticSolver::Cells, setup.rate_hz, setup.substeps, false);
+      return make_elastic_body(description, setup.rate_hz, setup.substeps, false);
     case Engine::LivegsV1:
-      return make_elastic_body(description, ElasticSolver::LivegsV1, setup.rate_hz, setup.substeps, false);
+      return make_livegs_v1_body(description, setup.rate_hz, setup.substeps, false);
     case Engine::LivegsV1Steady:
-      return make_elastic_body(description, ElasticSolver::LivegsV1Steady, setup.rate_hz, setup.substeps,
-                               false);
+      return make_livegs_v1_steady_body(description, setup.rate_hz, setup.substeps, false);
     case Engine::Bullet:
       break;
   }

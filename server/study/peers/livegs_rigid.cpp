@@ -4,8 +4,8 @@
 #include "geometry/mesh/convex_hull.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/surface/shape_mesh.h"
-#include "physics/breakable_pieces.h"
 #include "physics/world.h"
+#include "prepare/prepare_pieces.h"
 #include "study/harness/block.h"
 
 namespace livegs::study {

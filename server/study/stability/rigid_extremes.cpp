@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "geometry/surface/shape_mesh.h"
+#include "prepare/prepare_pieces.h"
 #include "study/stability/stability_scenes.h"
 
 namespace livegs::study {

@@ -6,8 +6,8 @@
 
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/surface/shape_mesh.h"
-#include "physics/breakable_pieces.h"
 #include "physics/world.h"
+#include "prepare/prepare_pieces.h"
 #include "scenes/elastic_bodies.h"
 
 // Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) are pulled by springs whose targets jump by

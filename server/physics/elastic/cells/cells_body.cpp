@@ -573,3 +573,14 @@ Vector3d CellsBody::velocity_of(const NodeSample& sample) const {
 }
 
 }  // namespace livegs::cells
+
+namespace livegs {
+
+Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
+                                                       double rate_hz, int substeps, bool may_sleep) {
+  if (auto checked = check_elastic_body(description, rate_hz, substeps); !checked) return checked.error();
+  return std::unique_ptr<ElasticBody>(
+      std::make_unique<cells::CellsBody>(description, rate_hz, substeps, may_sleep));
+}
+
+}  // namespace livegs

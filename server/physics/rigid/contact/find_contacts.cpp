@@ -7,7 +7,6 @@
 
 #include "physics/ablation/ablation.h"
 #include "physics/collision/contact_candidate.h"
-#include "physics/mesh_collider.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/narrow_phase.h"
 #include "physics/rigid/joint/joint_group.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "physics/mesh_collider.h"
+#include "prepare/mesh_collider.h"
 #include "scenes/soft_fixtures.h"
 
 // Defects of modelled meshes: open surfaces without volume, and inverted solids.

@@ -59,7 +59,7 @@ TEST(ElasticContact, SoftBlockSleepsAtItsStaticHeight) {
       describe(particle_grid(Vector3d::Constant(height), 0.025), stiffness, 0.0, 0.05);
   block.material.loss_factor = 0.5;
   block.world_from_object.position_m = {0, 0.15, 0};
-  stage.make(block, ElasticSolver::Cells, true);
+  stage.make(block, make_elastic_body, true);
   stage.run(6.0);
   EXPECT_TRUE(stage.body->asleep());
   const double sag = 1000 * 9.81 * height * height / (3 * stiffness);

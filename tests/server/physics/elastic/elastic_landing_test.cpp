@@ -44,7 +44,7 @@ TEST_P(ElasticDrop, GainsNothingAtAnyLandingAndSleeps) {
         body.material.loss_factor = 0.1;  // the default
         body.world_from_object.position_m = {0, 0.3, 0};
         body.world_from_object.orientation = Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized());
-        stage.make(body, ElasticSolver::Cells, true);
+        stage.make(body, make_elastic_body, true);
         const double start_j = stage.total_energy_j();
         double flight_j = start_j, last_flight_j = start_j, in_touch_j = 0.0, asleep_s = INFINITY;
         bool flies = true;
@@ -95,7 +95,7 @@ TEST_P(ElasticDrop, ImpactAtWaveSpeedGainsNothing) {
                 {0, 0.13, 0},
                 Eigen::Quaterniond(Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized()))};
             body.velocity_m_s = {0, -mach * std::sqrt(stiffness / 1000.0), 0};
-            stage.make(body, ElasticSolver::Cells, true);
+            stage.make(body, make_elastic_body, true);
             const double start_j = stage.total_energy_j();
             double in_touch_j = 0.0, in_flight_j = 0.0;
             for (int frame = 0; frame < stage.rate_hz; ++frame) {
@@ -128,7 +128,7 @@ TEST_P(ElasticDrop, SoftBallSleepsWhereItIsPlaced) {
       ElasticBodyDescription ball = describe(sample_particles(sphere_mesh(0.05, 3)), 1e4, 0.3);
       ball.material.loss_factor = loss_factor;
       ball.world_from_object.position_m = {0, 0.051, 0};
-      stage.make(ball, ElasticSolver::Cells, true);
+      stage.make(ball, make_elastic_body, true);
       stage.run(3.0);
       EXPECT_TRUE(stage.body->asleep());
       report_gap("landing.ball_aside_m", std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()));

@@ -244,7 +244,7 @@ TEST(ElasticRegions, SleepingBodyWakesWhenItsRegionMoves) {
     grip.motion = one.motion;
     bar.regions.push_back(grip);
     Stage stage;
-    stage.make(bar, ElasticSolver::Cells, true);
+    stage.make(bar, make_elastic_body, true);
     stage.run(one.seconds);
     EXPECT_EQ(stage.body->asleep(), one.seconds > 0.0);
     stage.run(one.at_s - one.seconds);
@@ -267,7 +267,7 @@ TEST(ElasticRegions, HeldBodySleepsAtItsRestPosition) {
   const auto sag_m = [&](double loss_factor, bool may_sleep) {
     bar.material.loss_factor = loss_factor;
     Stage stage;
-    stage.make(bar, ElasticSolver::Cells, may_sleep);
+    stage.make(bar, make_elastic_body, may_sleep);
     for (double t = 0.0; t < 200.0 && !stage.body->asleep(); t += 1.0) stage.run(1.0);
     EXPECT_EQ(stage.body->asleep(), may_sleep);
     return -stage.body->world_point({0.5, 0, 0}).y();
@@ -285,7 +285,7 @@ TEST(ElasticRegions, InvalidBodyIsResetAndReported) {
     if (held) bar.regions.push_back(clamp_to(-0.16));
     Stage stage;
     stage.gravity_m_s2 = held ? test::kGravity : test::kNoGravity;
-    stage.make(bar, ElasticSolver::Cells, true);
+    stage.make(bar, make_elastic_body, true);
     stage.run(0.5);
     const Vector3d before = stage.body->centre_m();
     stage.forces.push_back({{0.2, 0, 0}, Vector3d::Constant(NAN)});

@@ -3,7 +3,8 @@
 // without volume, invalid input.
 #include <random>
 
-#include "physics/elastic/factory/make_elastic_body.h"
+#include "baseline/elastic_solvers.h"
+#include "physics/elastic_body.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {
@@ -69,7 +70,7 @@ TEST(ElasticRecovery, SingleParticlesLinesAndSheetsFallAndLand) {
     set.volumes_m3.assign(set.positions_m.size(), 1e-6);
     return set;
   };
-  for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
+  for (const ElasticBodyFactory solver : {make_elastic_body, make_livegs_v1_body}) {
     for (const ParticleSet& set :
          {lattice_line(1, 1), lattice_line(20, 1), lattice_line(12, 12), lattice_line(2, 1)}) {
       Stage stage;
@@ -99,7 +100,7 @@ TEST(ElasticRecovery, CoincidentAndIrregularParticlesMakeABody) {
     if (i % 10 == 0) set.positions_m.push_back(set.positions_m.back());
   }
   for (size_t i = 0; i < set.positions_m.size(); ++i) set.volumes_m3.push_back(1e-6 * (0.1 + 10 * unit()));
-  for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
+  for (const ElasticBodyFactory solver : {make_elastic_body, make_livegs_v1_body}) {
     Stage stage;
     stage.gravity_m_s2 = kGravity;
     stage.add_floor();
@@ -130,7 +131,7 @@ TEST(ElasticBody, MotionIsTheSameFarFromTheOrigin) {
 TEST(ElasticBody, RejectsUnphysicalDescriptions) {
   const ElasticBodyDescription good = describe(particle_grid(Vector3d::Constant(0.1), 0.05), 1e5, 0.3);
   const auto message = [](const ElasticBodyDescription& d, double rate = 60, int substeps = 4) {
-    auto made = make_elastic_body(d, ElasticSolver::Cells, rate, substeps, true);
+    auto made = make_elastic_body(d, rate, substeps, true);
     return made ? std::string() : made.error().message;
   };
   EXPECT_EQ(message(good), "");

@@ -46,7 +46,7 @@ Stage stage_with(const Round& round, double rate_hz, double youngs_modulus_pa, d
     body.world_from_object.orientation = Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitX());
   body.velocity_m_s = {speed_m_s, 0.0, 0.0};
   body.angular_velocity_rad_s = {0.0, 0.0, -speed_m_s / kRadius_m};
-  stage.make(body, ElasticSolver::Cells, true);
+  stage.make(body, make_elastic_body, true);
   return stage;
 }
 

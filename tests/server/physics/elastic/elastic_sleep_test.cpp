@@ -31,8 +31,8 @@ TEST_P(ElasticRest, FrozenFlightFollowsTheSamePath) {
   Stage full, less;
   full.rate_hz = less.rate_hz = rate_hz();
   full.gravity_m_s2 = less.gravity_m_s2 = kGravity;
-  full.make(box, ElasticSolver::Cells, false);
-  less.make(box, ElasticSolver::Cells, true);
+  full.make(box, make_elastic_body, false);
+  less.make(box, make_elastic_body, true);
   full.run(1.2);
   less.run(1.2);
   EXPECT_FALSE(full.body->frozen());
@@ -66,7 +66,7 @@ TEST_P(ElasticRest, LandedBodyRestsAtTheSamePlace) {
       box.world_from_object.position_m.y() = one.height_m;
       box.material.loss_factor = one.loss_factor;
       box.velocity_m_s.setZero();
-      stage->make(box, ElasticSolver::Cells, stage == &less);
+      stage->make(box, make_elastic_body, stage == &less);
     }
     bool froze = false;
     for (int frame = 0; frame < 4 * rate_hz(); ++frame) {
@@ -99,7 +99,7 @@ TEST_P(ElasticRest, PokeWakesWithinOneFrame) {
       box.world_from_object.position_m.y() = 0.06;
       box.velocity_m_s.setZero();
     }
-    stage.make(box, ElasticSolver::Cells, true);
+    stage.make(box, make_elastic_body, true);
     stage.run(flying ? 1.0 : 3.0);
     ASSERT_TRUE(flying ? stage.body->frozen() : stage.body->asleep());
     stage.forces.push_back({{0.1, 0, 0}, {0, 0, 0.1 * stage.rate_hz}});  // 0.1 N s over a frame
@@ -124,7 +124,7 @@ TEST_P(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
     ElasticBodyDescription cube = describe(particle_grid(Vector3d::Constant(0.1), 0.0125), stiffness, 0.3);
     cube.material.loss_factor = 0.1;  // the default
     cube.world_from_object.position_m = {0, 0.15, 0};
-    stage.make(cube, ElasticSolver::Cells, true);
+    stage.make(cube, make_elastic_body, true);
     const double start = stage.total_energy_j();
     double peak = 0.0;
     for (int frame = 0; frame < 3 * rate_hz(); ++frame) {
@@ -157,7 +157,7 @@ TEST_P(ElasticRest, TumblingSampledCubeSleeps) {
         describe(sample_particles(box_mesh(Vector3d::Constant(0.1))), stiffness, 0.3);
     cube.material.loss_factor = 0.1;
     cube.world_from_object.position_m = {0, 0.05 + kFall_m, 0};
-    stage.make(cube, ElasticSolver::Cells, true);
+    stage.make(cube, make_elastic_body, true);
     stage.run(12.0);
     EXPECT_TRUE(stage.body->asleep());
     report_gap("rest.tumbling_cube_aside_m",
@@ -181,7 +181,7 @@ TEST(ElasticLanding, SampledCubesGainNothingOnLanding) {
             describe(sample_particles(box_mesh(Vector3d::Constant(0.1))), stiffness, 0.3);
         cube.material.loss_factor = 0.1;
         cube.world_from_object.position_m = {0, height_m, 0};
-        stage.make(cube, ElasticSolver::Cells, true);
+        stage.make(cube, make_elastic_body, true);
         const double start_j = stage.total_energy_j();
         const int landed = static_cast<int>(std::sqrt(2.0 * (height_m - 0.05) / 9.81) * rate_hz) + 3;
         double peak_j = 0.0, kept_j = 0.0;
@@ -216,7 +216,7 @@ TEST(ElasticLanding, RubberGainsNothing) {
           cube.material.loss_factor = 0.1;
           cube.world_from_object.position_m = {0, 0.5, 0};
           cube.world_from_object.orientation = Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized());
-          stage.make(cube, ElasticSolver::Cells, true);
+          stage.make(cube, make_elastic_body, true);
           const double start_j = stage.total_energy_j();
           double peak_j = 0.0;
           for (int frame = 0; frame < static_cast<int>(3 * rate_hz); ++frame) {

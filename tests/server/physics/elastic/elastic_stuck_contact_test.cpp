@@ -48,7 +48,7 @@ TEST(Impaled, BodyStretchedAroundABarSeparates) {
 TEST(Impaled, PlasticTangleRecoversOnAFloor) {
   for (const double rate : kRates_hz) {
     for (int seed = 1; seed <= seed_count(3); ++seed) {
-      World world = world_with(ElasticSolver::Cells, rate);
+      World world = world_with(make_elastic_body, rate);
       world.add_collider(floor_plane(0.6));
       ElasticBodyDescription block = scrambled_block(static_cast<uint64_t>(seed));
       block.material.plasticity = 0.3;

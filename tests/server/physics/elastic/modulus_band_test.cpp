@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "geometry/surface/shape_mesh.h"
-#include "physics/elastic/factory/make_elastic_body.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
+#include "physics/elastic_body.h"
 #include "scenes/elastic_bodies.h"
 #include "server/physics/elastic/quarter_shell.h"
 
@@ -128,7 +128,7 @@ TEST(ModulusBand, ContainsMeasuredRatiosOfThisSolver) {
 TEST(ModulusBand, CurvedThinShellsAreNotReportedAsExact) {
   ElasticBodyDescription plate = test::describe(sample_particles(box_mesh({0.5, 0.01, 0.5})), 1e6, 0.3);
   for (const auto& [body, thin] : {std::pair{test::describe_quarter(10, 0.3, true), true}, {plate, false}}) {
-    const auto made = make_elastic_body(body, ElasticSolver::Cells, 60, 4, false);
+    const auto made = make_elastic_body(body, 60, 4, false);
     ASSERT_TRUE(made) << made.error().message;
     const ElasticAccuracy accuracy = (*made)->accuracy();
     EXPECT_EQ(accuracy.thin_part > kMaxThinPart, thin) << accuracy.thin_part;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two-way contact of elastic bodies with rigid bodies and with each other.
+#include "baseline/elastic_solvers.h"
 #include "known_gaps.h"
 #include "server/physics/soft/soft_depth.h"
 
@@ -10,7 +11,7 @@ using namespace soft_fixtures;
 
 TEST(SoftContact, SphereAndCubeConserveMomentum) {
   for (const double rate : kRates_hz) {
-    World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
+    World world = world_with(make_elastic_body, rate, Vector3d::Zero());
     ElasticBodyDescription cube = soft_block(1, Vector3d::Constant(0.06), 0.216, 2e4, 0.01);
     ASSERT_TRUE(world.add_elastic(cube));
     BallDescription sphere = ball(2, {-0.2, 0.02, 0.01}, 0.05, 1.0);
@@ -26,7 +27,7 @@ TEST(SoftContact, SphereAndCubeConserveMomentum) {
 TEST(SoftContact, BoxAndCubeConserveMomentum) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
+    World world = world_with(make_elastic_body, rate, Vector3d::Zero());
     ASSERT_TRUE(world.add_elastic(soft_block(1, Vector3d::Constant(0.06), 0.216, 2e4, 0.01)));
     RigidBodyDescription box = box_body(2, {0.08, 0.05, 0.06}, 1.0);
     box.world_from_object.position_m = {-0.2, 0.03, 0.01};
@@ -46,7 +47,7 @@ TEST(SoftContact, BoxAndCubeConserveMomentum) {
 TEST(SoftContact, BodyWithAReusedIdHasItsOwnContacts) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    World world = world_with(ElasticSolver::Cells, rate);
+    World world = world_with(make_elastic_body, rate);
     world.add_collider(floor_plane(0.6));
     ElasticBodyDescription block = soft_block(1, {0.3, 0.1, 0.3}, 9.0, 1e5, 0.025, 0.3);
     block.world_from_object.position_m = {0, 0.05, 0};
@@ -68,7 +69,7 @@ TEST(SoftContact, BodyWithAReusedIdHasItsOwnContacts) {
 TEST(SoftContact, TwoCubesConserveMomentum) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
+    World world = world_with(make_elastic_body, rate, Vector3d::Zero());
     ElasticBodyDescription one = soft_block(1, Vector3d::Constant(0.1), 0.5, 3e4, 0.0125);
     one.world_from_object.position_m = {-0.15, 0.02, 0};
     one.velocity_m_s = {2, 0, 0};
@@ -86,7 +87,7 @@ TEST(SoftContact, TwoCubesConserveMomentum) {
 }
 
 TEST(SoftContact, BodiesCollideFarFromTheOrigin) {
-  for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
+  for (const ElasticBodyFactory solver : {make_elastic_body, make_livegs_v1_body}) {
     World world = world_with(solver, 60.0, Vector3d::Zero());
     ElasticBodyDescription cube = soft_block(1, Vector3d::Constant(0.1), 0.5, 3e4, 0.025);
     cube.world_from_object.position_m = {5.0, 3.0, -4.0};
@@ -102,7 +103,7 @@ TEST(SoftContact, BodiesCollideFarFromTheOrigin) {
 
 TEST(SoftContact, HeavyBoxRestsOnAPillowAndBothSleep) {
   for (const double rate : kRates_hz) {
-    World world = world_with(ElasticSolver::Cells, rate);
+    World world = world_with(make_elastic_body, rate);
     world.add_collider(floor_plane(0.6));
     ElasticBodyDescription pillow = soft_block(1, {0.4, 0.1, 0.3}, 0.2, 2e4, 0.025);
     pillow.world_from_object.position_m = {0, 0.05, 0};
@@ -137,7 +138,7 @@ TEST(SoftContact, HeavyBoxOnVerySoftPillowDoesNotWalk) {
     for (const Case& c :
          gate_or_full<Case>({{5e3, 5.0}, {1e4, 8.0}}, {{5e3, 5.0}, {7e3, 5.0}, {1e4, 5.0}, {1e4, 8.0}})) {
       SCOPED_TRACE(::testing::Message() << c.modulus_pa << " Pa, " << c.mass_kg << " kg, " << rate << " Hz");
-      World world = world_with(ElasticSolver::Cells, rate);
+      World world = world_with(make_elastic_body, rate);
       world.add_collider(floor_plane(0.6));
       ElasticBodyDescription pillow = soft_block(1, {0.4, 0.1, 0.3}, 0.2, c.modulus_pa, 0.025, 0.2);
       pillow.particles = sample_particles(box_mesh({0.4, 0.1, 0.3}), kDefaultSamplingDensity);

@@ -24,7 +24,7 @@ inline ElasticBodyDescription sampled_block(double spacing_m = 0.0) {
 // Depth of the lowest point of a sphere of 1 kg and 5 cm radius below the top of the unloaded block on a
 // floor, m: the mean over the last of three seconds.
 inline double settled_depth_m(ElasticBodyDescription block, double rate, int substeps = 4) {
-  World world = world_with(ElasticSolver::Cells, rate, {0, -kGravity, 0}, substeps);
+  World world = world_with(make_elastic_body, rate, {0, -kGravity, 0}, substeps);
   world.add_collider(floor_plane(0.6));
   block.material.loss_factor = 2.0;
   block.world_from_object.position_m = {0, 0.05, 0};

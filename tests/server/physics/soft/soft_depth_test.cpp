@@ -77,7 +77,7 @@ TEST(SoftDepth, BallStaysWhereItIsPlaced) {
          gate_or_full<double>({0.0, 0.025}, {0.0, 0.0125, 0.015, 0.02, 0.025, 0.03})) {
       for (const double loss_factor : gate_or_full<double>({0.1, 2.0}, {0.1, 0.3, 2.0})) {
         SCOPED_TRACE(testing::Message() << rate << " Hz, " << spacing_m << " m, " << loss_factor);
-        World world = world_with(ElasticSolver::Cells, rate);
+        World world = world_with(make_elastic_body, rate);
         world.add_collider(floor_plane(0.6));
         ElasticBodyDescription block = sampled_block(spacing_m);
         block.material.loss_factor = loss_factor;

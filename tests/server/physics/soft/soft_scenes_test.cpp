@@ -3,6 +3,7 @@
 // each other.
 #include <bit>
 
+#include "baseline/elastic_solvers.h"
 #include "core/parallel_for.h"
 #include "known_gaps.h"
 #include "server/physics/soft/soft_depth.h"
@@ -16,7 +17,7 @@ using Eigen::Vector2d;
 // Two soft cubes of 0.1 m and 0.5 kg on a floor, with the centre of the upper one at `high_m`.
 World two_cubes(double rate, const Vector3d& high_m, double loss_factor, double spacing_m = 0.0125,
                 double cell_width_m = 0.0) {
-  World world = world_with(ElasticSolver::Cells, rate);
+  World world = world_with(make_elastic_body, rate);
   world.add_collider(floor_plane(0.6));
   for (const uint32_t id : {1u, 2u}) {
     ElasticBodyDescription cube =
@@ -71,7 +72,7 @@ TEST(SoftScenes, OffCentreCubeStaysOnTheOther) {
 TEST(SoftScenes, BlockStandsUpToTheEdgeOfAnother) {
   for (const double spacing_of_upper_m : {0.0125, 0.025}) {
     for (const double overhang_m : {0.045, 0.055}) {
-      World world = world_with(ElasticSolver::Cells, 90.0);
+      World world = world_with(make_elastic_body, 90.0);
       world.add_collider(floor_plane(0.6));
       ElasticBodyDescription lower = soft_block(1, {0.1, 0.1, 0.1}, 1.0, 1e6, 0.0125);
       lower.world_from_object.position_m.y() = 0.05;
@@ -94,7 +95,7 @@ TEST(SoftScenes, LossFactorIsIndependentOfLoad) {
   for (const double loss_factor : {0.1, 0.3}) {
     for (const double mass_kg : {2.0, 5.0}) {
       if (loss_factor > 0.2 && mass_kg < 3.0) continue;
-      World world = world_with(ElasticSolver::Cells, 90.0);
+      World world = world_with(make_elastic_body, 90.0);
       world.add_collider(floor_plane(0.6));
       ElasticBodyDescription block = soft_block(1, Vector3d::Constant(0.1), 0.2, 1e5, 0.0125);
       block.material.loss_factor = loss_factor;
@@ -128,7 +129,7 @@ TEST(SoftScenes, BallRestsOnTheMiddleOfAHeldSheet) {
   for (const double mass_kg : {0.5, 2.0, 5.0}) {
     for (const double rate : kRates_hz) {
       SCOPED_TRACE(testing::Message() << mass_kg << " kg, " << rate << " Hz");
-      World world = world_with(ElasticSolver::Cells, rate);
+      World world = world_with(make_elastic_body, rate);
       ElasticBodyDescription sheet = soft_block(1, {0.7, 0.03, 0.7}, 1.47, 1e6, 0.03);
       sheet.material.loss_factor = 0.5;
       for (const double side : {-1.0, 1.0}) {
@@ -180,7 +181,7 @@ void add_table_scene(World& world) {
 
 TEST(SoftScenes, SoftCubeAndTiltedBoxRestOnATable) {
   for (const double rate : kRates_hz) {
-    World world = world_with(ElasticSolver::Cells, rate);
+    World world = world_with(make_elastic_body, rate);
     add_table_scene(world);
     run_seconds(world, 5.0);
     const double cube = world.elastic_body(2)->centre_m().y(),
@@ -198,7 +199,7 @@ TEST(SoftScenes, SoftCubeAndTiltedBoxRestOnATable) {
 // keep the cube and the table awake.
 TEST(SoftScenes, JellyCubeSleepsOnAMovableTable) {
   for (const double rate : kRates_hz) {
-    World world = world_with(ElasticSolver::Cells, rate);
+    World world = world_with(make_elastic_body, rate);
     world.add_collider(floor_plane(0.6));
     RigidBodyDescription table = box_body(1, {0.8, 0.02, 0.5}, 3.0);
     table.world_from_object.position_m = {0, 0.01, 0};
@@ -228,7 +229,7 @@ TEST(SoftScenes, ThinRodRestsAcrossASoftBlock) {
   std::vector<Case> cases;
   for (const double rate : kRates_hz) cases.insert(cases.end(), {{rate, 0.0}, {rate, 0.025}});
   for (const Case& c : cases) {
-    World world = world_with(ElasticSolver::Cells, c.rate);
+    World world = world_with(make_elastic_body, c.rate);
     world.add_collider(floor_plane(0.6));
     ElasticBodyDescription block = soft_block(1, {0.2, 0.1, 0.2}, 1.0, 3e4, 0.025, 0.3, c.cell_width_m);
     block.world_from_object.position_m = {0, 0.05, 0};
@@ -244,7 +245,7 @@ TEST(SoftScenes, ThinRodRestsAcrossASoftBlock) {
 }
 
 TEST(SoftScenes, PileOfEightStaysAboveTheFloor) {
-  World world = world_with(ElasticSolver::Cells, 60.0);
+  World world = world_with(make_elastic_body, 60.0);
   world.add_collider(floor_plane(0.6));
   for (uint32_t i = 0; i < 8; ++i) {
     ElasticBodyDescription soft = soft_block(1 + i, {0.12, 0.08, 0.1}, 0.4, 2e4, 0.02);
@@ -276,7 +277,7 @@ TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
       for (const double thickness : {0.005, 0.02}) {
         for (const double rate : kRates_hz)
           for (int aim = 0; aim < 3; ++aim) {
-            World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
+            World world = world_with(make_elastic_body, rate, Vector3d::Zero());
             if (fixed) {
               Collider plate;
               plate.shape = BoxShape{{0.3, 0.3, thickness}};
@@ -309,7 +310,7 @@ TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
 // would.
 TEST(SoftScenes, PulledPairSleepsAgainWithinThreeSeconds) {
   for (const double rate : kRates_hz) {
-    World world = world_with(ElasticSolver::Cells, rate);
+    World world = world_with(make_elastic_body, rate);
     world.add_collider(floor_plane(0.6));
     ElasticBodyDescription pillow = soft_block(1, {0.2, 0.06, 0.2}, 0.4, 3e4, 0.02);
     pillow.world_from_object.position_m = {0, 0.031, 0};
@@ -333,11 +334,11 @@ TEST(SoftScenes, PulledPairSleepsAgainWithinThreeSeconds) {
 }
 
 TEST(SoftScenes, RigidBoxSleepsAndWakesWithSoftBody) {
-  for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
+  for (const ElasticBodyFactory solver : {make_elastic_body, make_livegs_v1_body}) {
     World world = world_with(solver, 90.0);
     world.add_collider(floor_plane(0.6));
     ElasticBodyDescription pillow =
-        soft_block(1, {0.2, 0.06, 0.2}, 0.4, solver == ElasticSolver::Cells ? 3e4 : 3e6, 0.02);
+        soft_block(1, {0.2, 0.06, 0.2}, 0.4, solver == make_elastic_body ? 3e4 : 3e6, 0.02);
     pillow.material.loss_factor = 1.0;
     pillow.world_from_object.position_m = {0, 0.031, 0};
     ASSERT_TRUE(world.add_elastic(pillow));
@@ -372,7 +373,7 @@ TEST(SoftScenes, RigidBoxSleepsAndWakesWithSoftBody) {
 }
 
 TEST(SoftScenes, SleepingSoftBodyWakesWhenABoxLandsOnIt) {
-  World world = world_with(ElasticSolver::Cells, 90.0);
+  World world = world_with(make_elastic_body, 90.0);
   world.add_collider(floor_plane(0.6));
   ElasticBodyDescription pillow = soft_block(1, {0.2, 0.06, 0.2}, 0.4, 3e4, 0.02);
   pillow.world_from_object.position_m = {0, 0.03, 0};
@@ -414,7 +415,7 @@ TEST(SoftScenes, SameBitsForAnyNumberOfThreads) {
   std::vector<uint64_t> hashes;
   for (const int threads : {1, 2, 8}) {
     set_thread_count(threads);
-    World world = world_with(ElasticSolver::Cells, 90.0);
+    World world = world_with(make_elastic_body, 90.0);
     add_table_scene(world);
     for (uint32_t i = 0; i < 4; ++i) {
       ElasticBodyDescription soft = soft_block(10 + i, {0.1, 0.06, 0.08}, 0.3, 2e4, 0.02);
@@ -436,7 +437,7 @@ TEST(SoftScenes, HeapHasTheSameBitsForAnyNumberOfThreads) {
     std::vector<uint64_t> hashes;
     for (const int threads : {1, 2, 8}) {
       set_thread_count(threads);
-      World world = world_with(ElasticSolver::Cells, 90.0);
+      World world = world_with(make_elastic_body, 90.0);
       world.add_collider(floor_plane(0.6));
       for (uint32_t i = 0; i < 24; ++i) {
         ElasticBodyDescription box = soft_block(1 + i, {0.2, 0.15, 0.2}, 1.8, 3e4, 0.025);
@@ -461,7 +462,7 @@ TEST(SoftScenes, OverlappingBlocksSeparateSlowly) {
     for (const Vector3d& at_m : {Vector3d(0.19, 0.05, 0.0), {0.18, 0.14, 0.02}, {0.05, 0.12, 0.03}}) {
       for (const double youngs_modulus_pa : {3e3, 3e4, 3e5}) {
         SCOPED_TRACE(testing::Message() << rate << ' ' << at_m.transpose() << ", " << youngs_modulus_pa);
-        World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
+        World world = world_with(make_elastic_body, rate, Vector3d::Zero());
         for (uint32_t i = 0; i < 2; ++i) {
           ElasticBodyDescription box = soft_block(1 + i, size_m, 1.8, youngs_modulus_pa, 0.025);
           box.world_from_object.position_m = i * at_m;

@@ -17,7 +17,7 @@ struct Laid {
 // Lays a square sheet of 0.6 m and 500 kg/m³ 50 mm above a free box of 0.2 m and `heavier` times its mass on
 // a floor, and runs 6 s.
 Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double heavier, double turned_rad) {
-  World world = world_with(ElasticSolver::Cells, rate_hz);
+  World world = world_with(make_elastic_body, rate_hz);
   world.add_collider(floor_plane(0.5));
   ElasticBodyDescription sheet =
       test::describe(sample_particles(box_mesh({0.6, thickness_m, 0.6})), youngs_modulus_pa, 0.3, 0.0, 500.0);

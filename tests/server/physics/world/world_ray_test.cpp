@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "physics/mesh_collider.h"
+#include "prepare/mesh_collider.h"
 #include "scenes/rigid_fixtures.h"
 
 // Rays of a hand and the obstacles in front of their target.

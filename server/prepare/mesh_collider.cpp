@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Solid angle: Van Oosterom and Strackee 1983, The solid angle of a plane triangle. It is 4 pi inside a
 // closed mesh.
-#include "physics/mesh_collider.h"
+#include "prepare/mesh_collider.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -76,18 +76,9 @@ TriangleMesh both_ways(const TriangleMesh& mesh) {
   return both;
 }
 
-RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, ConcaveEdges concave_edges) {
-  RidgePoints ridges;
-  double spacing_m = 0.5 * cell_m;
-  do {
-    ridges = ridge_points(mesh, spacing_m, concave_edges);
-    spacing_m *= 2.0;
-  } while (ridges.points_m.size() > 32768 /* for memory */ && spacing_m < kFieldCells * cell_m);
-  return ridges;
-}
-
-}  // namespace
-
+// Samples edges with a dihedral angle of more than 30 degrees and boundary edges, at most `spacing_m` apart.
+// Concave edges are included for open surfaces, where the other side sees them as ridges.
+enum class ConcaveEdges { Skip, Include };
 RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdges concave_edges) {
   const TriangleMesh welded = weld_vertices(mesh);
   const auto& at = welded.vertices_m;
@@ -120,6 +111,18 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdge
   ridges.tree = BoundingSphereTree(ridges.points_m);
   return ridges;
 }
+
+RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, ConcaveEdges concave_edges) {
+  RidgePoints ridges;
+  double spacing_m = 0.5 * cell_m;
+  do {
+    ridges = ridge_points(mesh, spacing_m, concave_edges);
+    spacing_m *= 2.0;
+  } while (ridges.points_m.size() > 32768 /* for memory */ && spacing_m < kFieldCells * cell_m);
+  return ridges;
+}
+
+}  // namespace
 
 FieldShape mesh_collider(const TriangleMesh& mesh) {
   const TriangleMesh solid = turned_out(weld_vertices(mesh));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "physics/elastic/livegs_v1/livegs_v1_body.h"
+#include "baseline/livegs_v1_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +67,18 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
   for (size_t i = 0; i < count; ++i) goals_m_[i] *= cluster_counts_[i];
   motion_ = body_momentum(positions_m_, velocities_m_s_, masses_kg_);
   for (const Vector3d& x : positions_m_) reach_m_ = std::max(reach_m_, (x - motion_.centre_m).norm());
+}
+
+double resistance_stiffness_per_s2(double deformation_resistance) {
+  const double resistance = std::clamp(deformation_resistance, 0.0, 1.0);
+  if (resistance == 1.0) return std::numeric_limits<double>::infinity();
+  return resistance / ((1.0 - resistance) * kPaperSubstep_s * kPaperSubstep_s);
+}
+
+double resistance_blend(double stiffness_per_s2, double substep_s) {
+  if (std::isinf(stiffness_per_s2)) return 1.0;
+  const double odds = stiffness_per_s2 * substep_s * substep_s;
+  return odds / (1.0 + odds);
 }
 
 double LivegsV1Body::blend(double h) const {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/elastic/livegs_v1/livegs_v1_body.h"
+#include "baseline/livegs_v1_body.h"
 #include "physics/elastic/rigid_proxy.h"
 
 namespace livegs {

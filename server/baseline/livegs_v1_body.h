@@ -15,7 +15,7 @@
 //   x = (1 - d_R) x_pre + d_R x_goal,
 // with d_R from the stiffness table. The blend does not depend on the step. Apparent stiffness therefore
 // grows with the squares of the substep rate and of the spacing (apparent_modulus_pa): a known defect that
-// the charts show. The steady variant converts d_R to a stiffness at the paper's own step (material.h) and is
+// the charts show. The steady variant converts d_R to a stiffness at the paper's own step and is
 // otherwise the same.
 //
 // One substep:
@@ -33,9 +33,18 @@ namespace livegs {
 // inverse of D_p is needed: a D_p with a determinant below 0.001 is rejected. Returns true if D_p changed.
 bool creep_plastically(const Eigen::Matrix3d& stretch, double plasticity, Eigen::Matrix3d& plastic_part);
 
+// Stiffness per mass for d_R: omega² = d_R / ((1 - d_R) h_ref²) in 1/s², 0 … infinity (rigid). d_R is the
+// fraction of the distance to its goal that a particle moves in one substep, so the effective stiffness
+// depends on the substep. h_ref is the paper's substep: 60 Hz with 4 substeps.
+inline constexpr double kPaperSubstep_s = 1.0 / 240.0;
+double resistance_stiffness_per_s2(double deformation_resistance);
+// Blend factor for any substep h: omega² h² / (1 + omega² h²), the implicit step of the spring; 1 if omega²
+// is infinite. Equals d_R at kPaperSubstep_s.
+double resistance_blend(double stiffness_per_s2, double substep_s);
+
 class LivegsV1Body final : public ElasticBody {
  public:
-  // Preconditions: a description that make_elastic_body has checked.
+  // Precondition: check_elastic_body has passed.
   LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep,
                bool steady);
 

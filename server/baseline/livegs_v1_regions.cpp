@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "baseline/livegs_v1_body.h"
 #include "core/log.h"
-#include "physics/elastic/livegs_v1/livegs_v1_body.h"
 
 namespace livegs {
 

@@ -3,21 +3,8 @@
 
 #include "geometry/triangle_mesh.h"
 #include "physics/collider.h"
-#include "physics/collision/bounding_sphere_tree.h"
 
 namespace livegs {
-
-// Points along a mesh's convex edges, corners included, in the mesh's frame. They are tested against bodies
-// because an edge may press into a face between the body's contact points.
-struct RidgePoints {
-  std::vector<Eigen::Vector3d> points_m;
-  BoundingSphereTree tree;  // of points_m
-};
-// Samples edges with a dihedral angle of more than 30 degrees and boundary edges, at most `spacing_m` apart.
-// Concave edges are included for open surfaces, where the other side sees them as ridges.
-enum class ConcaveEdges { Skip, Include };
-RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m,
-                         ConcaveEdges concave_edges = ConcaveEdges::Skip);
 
 // Both colliders have a distance field of 64 cells along the longest side and ridge points half a cell apart.
 // Precondition: at least one triangle has an area.

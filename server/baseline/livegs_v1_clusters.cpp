@@ -8,7 +8,7 @@
 #include <map>
 #include <tuple>
 
-#include "physics/elastic/livegs_v1/livegs_v1_body.h"
+#include "baseline/livegs_v1_body.h"
 
 namespace livegs {
 namespace {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The baseline solver follows the paper, including its known defects: the blend is not a stiffness, and
 // plastic flow depends on the substep.
-#include "physics/elastic/livegs_v1/livegs_v1_body.h"
+#include "baseline/elastic_solvers.h"
+#include "baseline/livegs_v1_body.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {
@@ -30,7 +31,7 @@ double strain_of_middle(const ElasticBody& body) {
 // Apparent modulus of a bar with d_R = 0.5, clamped at its first layer and stretched by about 0.5 %. Damping
 // does not affect the static result: its rate is twice the frequency of the lowest bending mode, so stretch
 // decays by e in one radian of that mode.
-double apparent_modulus_pa(ElasticSolver solver, int substeps, double* predicted_pa = nullptr) {
+double apparent_modulus_pa(ElasticBodyFactory solver, int substeps, double* predicted_pa = nullptr) {
   Stage stage;
   stage.substeps = substeps;
   ElasticBodyDescription bar = describe_bar(1e6, 0.0, 0.0);
@@ -46,6 +47,33 @@ double apparent_modulus_pa(ElasticSolver solver, int substeps, double* predicted
   return traction_pa / strain_of_middle(*stage.body);
 }
 
+TEST(ResistanceBlend, MatchesThePaperAtItsSubstep) {
+  for (const double resistance : {0.0, 1e-6, 0.1, 0.37, 0.5, 0.8, 0.999999, 1.0}) {
+    // Two divisions and three products: a few roundings.
+    EXPECT_NEAR(resistance_blend(resistance_stiffness_per_s2(resistance), kPaperSubstep_s), resistance,
+                1e-15);
+  }
+}
+
+TEST(ResistanceBlend, EqualsTheImplicitStepOfASpring) {
+  // omega² = 0.5 / 0.5 * 240² = 57600; at half the substep 57600 / 480² = 1/4, so 0.25 / 1.25.
+  EXPECT_DOUBLE_EQ(resistance_stiffness_per_s2(0.5), 57600.0);
+  EXPECT_DOUBLE_EQ(resistance_blend(57600.0, 1.0 / 480.0), 0.2);
+  EXPECT_DOUBLE_EQ(resistance_blend(57600.0, 1.0 / 60.0), 16.0 / 17.0);
+  EXPECT_EQ(resistance_blend(0.0, 1.0), 0.0);
+  // A short step covers a fraction omega² h² of the distance; the rest of the series is its square.
+  EXPECT_NEAR(resistance_blend(57600.0, 1e-6) / 57600e-12, 1.0, 1e-7);
+}
+
+TEST(ResistanceBlend, RigidIsRigidAtAnyStep) {
+  EXPECT_TRUE(std::isinf(resistance_stiffness_per_s2(1.0)));
+  EXPECT_TRUE(std::isinf(resistance_stiffness_per_s2(7.0)));
+  EXPECT_EQ(resistance_stiffness_per_s2(-1.0), 0.0);
+  for (const double step_s : {1e-300, 1e-6, 1.0 / 240.0, 1.0, 1e200}) {
+    EXPECT_EQ(resistance_blend(resistance_stiffness_per_s2(1.0), step_s), 1.0);
+  }
+}
+
 TEST(LivegsV1, ApparentStiffnessGrowsWithSubstepsSquared) {
   // The paper's table calls d_R = 0.5 "1 MPa". At rest a particle's own step is h² times its load, so the
   // apparent modulus is proportional to 1/h²: d_R rho s²/h². Bar 1 %: 0.1 % of the settling is left.
@@ -53,7 +81,7 @@ TEST(LivegsV1, ApparentStiffnessGrowsWithSubstepsSquared) {
   double found_pa[4];
   for (int i = 0; i < 4; ++i) {
     double predicted_pa = 0.0;
-    found_pa[i] = apparent_modulus_pa(ElasticSolver::LivegsV1, counts[i], &predicted_pa);
+    found_pa[i] = apparent_modulus_pa(make_livegs_v1_body, counts[i], &predicted_pa);
     RecordProperty("apparent_pa_at_" + std::to_string(counts[i]), std::to_string(found_pa[i]));
     const double closed_pa = 0.5 * 1000.0 * std::pow(0.025 * 60.0 * counts[i], 2);
     EXPECT_NEAR(predicted_pa / closed_pa, 1.0, 1e-12);
@@ -68,7 +96,7 @@ TEST(LivegsV1Steady, ApparentStiffnessConvergesWithSubsteps) {
   double found_pa[4];
   for (int i = 0; i < 4; ++i) {
     double predicted_pa = 0.0;
-    found_pa[i] = apparent_modulus_pa(ElasticSolver::LivegsV1Steady, counts[i], &predicted_pa);
+    found_pa[i] = apparent_modulus_pa(make_livegs_v1_steady_body, counts[i], &predicted_pa);
     RecordProperty("apparent_pa_at_" + std::to_string(counts[i]), std::to_string(found_pa[i]));
     const double h = 1.0 / (60.0 * counts[i]);
     const double closed_pa = 1000.0 * 0.025 * 0.025 / (1.0 / (240.0 * 240.0) + h * h);
@@ -78,12 +106,12 @@ TEST(LivegsV1Steady, ApparentStiffnessConvergesWithSubsteps) {
   // The modulus changes by 6 % from 16 to 64 substeps; with the literal blend it grows sixteenfold. At the
   // paper's own step both solvers agree.
   EXPECT_NEAR(found_pa[3] / found_pa[2], 1.0, 0.07);
-  EXPECT_NEAR(found_pa[1] / apparent_modulus_pa(ElasticSolver::LivegsV1, 4), 1.0, 1e-9);
+  EXPECT_NEAR(found_pa[1] / apparent_modulus_pa(make_livegs_v1_body, 4), 1.0, 1e-9);
 }
 
 TEST(LivegsV1, RigidPlacementHasNoStrainAndFallsFreely) {
   // Symplectic Euler: after n substeps y = -g h² n (n + 1) / 2. The loss factor does not damp a fall.
-  for (const ElasticSolver solver : {ElasticSolver::LivegsV1, ElasticSolver::LivegsV1Steady}) {
+  for (const ElasticBodyFactory solver : {make_livegs_v1_body, make_livegs_v1_steady_body}) {
     Stage stage;
     stage.gravity_m_s2 = kGravity;
     ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e6, 0.3);
@@ -108,7 +136,7 @@ TEST(LivegsV1, LossFactorDampsTheLowestMode) {
     ElasticBodyDescription bar = describe_bar(1e6, 0.0, 0.0);
     bar.initial_deformation = Vector3d(1.02, 1, 1).asDiagonal();
     bar.material.loss_factor = loss_factor;
-    stage.make(bar, ElasticSolver::LivegsV1);
+    stage.make(bar, make_livegs_v1_body);
     const double wave_m_s = std::sqrt(stage.body->accuracy().reached_youngs_modulus_pa / 1000.0);
     // As in the body: the slower of the axial and the bending mode.
     c = wave_m_s * std::min(M_PI / 0.4, 22.37 / std::sqrt(12.0) * 0.1 / (0.4 * 0.4));
@@ -161,7 +189,7 @@ TEST(LivegsV1Regions, TractionAcceleratesFreeBodyByItsForce) {
   ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e-9, 0.0);
   block.regions.push_back(box("upper", {0, 0.02, -0.05}, {0.05, 0.06, 0.05}));
   block.regions[0].traction_pa = {3, -7, 2};
-  stage.make(block, ElasticSolver::LivegsV1);
+  stage.make(block, make_livegs_v1_body);
   stage.run(0.5);
   const Vector3d expected = block.regions[0].traction_pa * 0.05 * 0.1 / 1.0 * 0.5;
   EXPECT_NEAR((stage.body->velocity_m_s() - expected).norm() / expected.norm(), 0.0, 1e-9);
@@ -175,7 +203,7 @@ TEST(LivegsV1, RestsOnTheFloorAndSleeps) {
   stage.add_floor();
   ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e6, 0.3);
   block.world_from_object.position_m = {0, 0.1, 0};
-  stage.make(block, ElasticSolver::LivegsV1, true);
+  stage.make(block, make_livegs_v1_body, true);
   stage.run(5.0);
   EXPECT_TRUE(stage.body->asleep());
   for (const ParticleState& p : stage.body->particles()) EXPECT_GT(p.position_m.y(), 0.01 - 1e-9);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baseline/livegs_v1_body.h"
 #include "core/log.h"
-#include "physics/elastic/livegs_v1/livegs_v1_body.h"
 
 namespace livegs {
 namespace {
