@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/picture/picture_file.h"
+#include "core/math/rotation_between.h"
 #include "core/percentile.h"
 
 namespace livegs {
@@ -64,7 +65,7 @@ Eigen::Vector3d photo_up(const Capture& capture) {
 }
 
 void level_capture(Capture& capture, const Eigen::Vector3d& up) {
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitY());
+  const Eigen::Quaterniond turn = rotation_between(up, Eigen::Vector3d::UnitY());
   for (CapturedView& view : capture.views) {
     Pose& pose = view.camera.world_from_camera;
     pose = {turn * pose.position_m, (turn * pose.orientation).normalized()};

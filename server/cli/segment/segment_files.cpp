@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/math/rotation_between.h"
 #include "core/written_files.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/transform_asset.h"
@@ -158,7 +159,7 @@ Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
       std::max_element(supports.begin(), supports.end(),
                        [](const RoomPlane& a, const RoomPlane& b) { return a.share < b.share; });
   Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
-  if (largest != supports.end()) level = Eigen::Quaterniond::FromTwoVectors(largest->normal, room.up);
+  if (largest != supports.end()) level = rotation_between(largest->normal, room.up);
   if (Eigen::AngleAxisd(level).angle() * 180 / M_PI > kLevelTilt_deg) {
     for (SegmentedThing& thing : room.things) transform_asset(thing.asset, level, 1.0);
     transform_asset(room.room, level, 1.0);

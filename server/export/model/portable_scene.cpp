@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "export/portable_scene.h"
 
+#include "core/math/rotation_between.h"
 #include "core/text/format_text.h"
 #include "core/text/shown_text.h"
 
@@ -8,8 +9,7 @@ namespace livegs {
 
 Pose joint_frame(const PortableJoint& joint) {
   Pose frame{joint.point_m, Eigen::Quaterniond::Identity()};
-  if (joint.hinge)
-    frame.orientation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), joint.axis).normalized();
+  if (joint.hinge) frame.orientation = rotation_between(Eigen::Vector3d::UnitX(), joint.axis).normalized();
   return frame;
 }
 

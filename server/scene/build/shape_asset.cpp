@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/build/shape_asset.h"
+#include "core/math/rotation_between.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,8 +51,7 @@ GaussianAsset mesh_asset(const TriangleMesh& mesh, const Eigen::Vector3f& rgb, s
     const Eigen::Vector3d point = pa + st.x() * (pb - pa) + st.y() * (pc - pa) - kFlatness * width * normal;
     asset.positions[i] = point.cast<float>();
     asset.log_scales[i] = Eigen::Vector3f(std::log(width), std::log(width), std::log(kFlatness * width));
-    asset.rotations[i] =
-        Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal.cast<float>()).normalized();
+    asset.rotations[i] = float_rotation_between(Eigen::Vector3f::UnitZ(), normal.cast<float>()).normalized();
     asset.opacity_logits[i] = kOpacityLogit;
     const float shade =
         static_cast<float>(0.55 + 0.25 * std::max(0.0, normal.dot(light)) + 0.2 * (0.5 + 0.5 * normal.y()));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/values/scene_values.h"
+#include "core/math/rotation_between.h"
 
 #include <cmath>
 #include <numbers>
@@ -69,10 +70,10 @@ Result<Eigen::Quaterniond> up_value(std::string_view axis, std::string_view fiel
     return Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()));
   if (axis == "y" || axis == "+y") return Quaterniond::Identity();
   const Vector3d y = Vector3d::UnitY();
-  if (axis == "x" || axis == "+x") return Quaterniond::FromTwoVectors(Vector3d::UnitX(), y);
-  if (axis == "-x") return Quaterniond::FromTwoVectors(-Vector3d::UnitX(), y);
-  if (axis == "z" || axis == "+z") return Quaterniond::FromTwoVectors(Vector3d::UnitZ(), y);
-  if (axis == "-z") return Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), y);
+  if (axis == "x" || axis == "+x") return rotation_between(Vector3d::UnitX(), y);
+  if (axis == "-x") return rotation_between(-Vector3d::UnitX(), y);
+  if (axis == "z" || axis == "+z") return rotation_between(Vector3d::UnitZ(), y);
+  if (axis == "-z") return rotation_between(-Vector3d::UnitZ(), y);
   return invalid_argument(std::string(field) + ": is \"" + std::string(axis) +
                           "\"; give one of x -x y -y z -z");
 }

@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/math/rotation_between.h"
 #include "study/harness/rigid_scenes.h"
 #include "study/harness/rigid_stage.h"
 
@@ -35,8 +36,8 @@ Drop corner_drop() {
   RigidPart& box = drop.box;
   box.friction = 0.0;
   const Vector3d corner = 0.5 * box.size_m;
-  const Eigen::Quaterniond turn = Eigen::AngleAxisd(kOffBalance_rad, Vector3d::UnitX()) *
-                                  Eigen::Quaterniond::FromTwoVectors(corner, -Vector3d::UnitY());
+  const Eigen::Quaterniond turn =
+      Eigen::AngleAxisd(kOffBalance_rad, Vector3d::UnitX()) * rotation_between(corner, -Vector3d::UnitY());
   box.world_from_part.orientation = turn;
   const Vector3d s = box.size_m.cwiseProduct(box.size_m);
   const Vector3d moments = box.mass_kg / 12.0 * Vector3d(s.y() + s.z(), s.x() + s.z(), s.x() + s.y());

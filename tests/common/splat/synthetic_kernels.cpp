@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/splat/synthetic_kernels.h"
+#include "core/math/rotation_between.h"
 
 #include <cmath>
 
@@ -80,7 +81,7 @@ Object shell(size_t count, int sh_degree, double standard_deviation_m, uint64_t 
     const double opacity = 1.0 / (1.0 + std::exp(-(1.5 + 2.0 * random.normal())));
     const Eigen::Vector3d rgb(random.uniform(), random.uniform(), random.uniform());
     const Eigen::Vector3d position = outwards * (0.5 + 0.02 * random.normal());
-    const Eigen::Quaterniond flat = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), outwards);
+    const Eigen::Quaterniond flat = rotation_between(Eigen::Vector3d::UnitX(), outwards);
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(random.uniform(0, M_PI), Eigen::Vector3d::UnitX()));
     add_kernel(object, position, flat * turned, deviations, opacity, rgb);
   }

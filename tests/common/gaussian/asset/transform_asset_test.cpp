@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/gaussian/synthetic_asset.h"
+#include "core/math/rotation_between.h"
 #include "gaussian/spherical_harmonics.h"
 
 namespace livegs {
@@ -47,8 +48,7 @@ TEST(TransformAsset, TurnsPositionsShapesAndColours) {
 TEST(TransformAsset, TurningBackGivesTheOriginal) {
   const GaussianAsset before = synthetic_asset(50, 3, 3);
   GaussianAsset after = before;
-  const Eigen::Quaterniond up =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
+  const Eigen::Quaterniond up = rotation_between(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
   transform_asset(after, up, 4);
   transform_asset(after, up.conjugate(), 0.25);
   for (size_t k = 0; k < before.size(); ++k) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/math/rotation_between.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/reconstruct_surface.h"
 #include "rates.h"
@@ -46,8 +47,7 @@ GaussianAsset sampled(const Sampling& sampling) {
           asset.positions.push_back(position.cast<float>());
           const auto wide = static_cast<float>(std::log(sampling.deviation * cell));
           asset.log_scales.emplace_back(sampling.flat ? std::log(1e-5f) : wide, wide, wide);
-          asset.rotations.push_back(
-              Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), normal).cast<float>());
+          asset.rotations.push_back(rotation_between(Eigen::Vector3d::UnitX(), normal).cast<float>());
           asset.opacity_logits.push_back(3);
           asset.sh_dc.emplace_back(Eigen::Vector3f::Zero());
         }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <random>
 
+#include "core/math/rotation_between.h"
 #include "known_gaps.h"
 #include "scenes/rigid_fixtures.h"
 
@@ -46,7 +47,7 @@ RigidBodyDescription bar(uint32_t id, const Vector3d& from_m, const Vector3d& to
   const Vector3d along = to_m - from_m;
   auto body = box_body(id, {0.9 * along.norm(), 0.02, 0.02}, mass_kg);
   body.world_from_object.position_m = 0.5 * (from_m + to_m);
-  body.world_from_object.orientation = Quaterniond::FromTwoVectors(Vector3d::UnitX(), along);
+  body.world_from_object.orientation = rotation_between(Vector3d::UnitX(), along);
   return body;
 }
 

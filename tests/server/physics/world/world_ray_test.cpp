@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "core/math/rotation_between.h"
 #include "prepare/mesh_collider.h"
 #include "scenes/rigid_fixtures.h"
 
@@ -25,9 +26,7 @@ World two_boxes(const Collider& collider) {
 }
 
 // Orientation of a plane with the given normal.
-Eigen::Quaterniond facing(const Vector3d& normal) {
-  return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), normal);
-}
+Eigen::Quaterniond facing(const Vector3d& normal) { return rotation_between(Vector3d::UnitY(), normal); }
 
 uint32_t met(const World& world, const Vector3d& from, const Vector3d& towards) {
   const auto hit = world.ray_cast(from, (towards - from).normalized(), 20.0);
