@@ -45,7 +45,7 @@ struct TrainOptions {
   // Corrects the poses of the cameras by the gradient of the loss, after `poses_from` of the steps. In a step
   // of its photo, a position moves by about pose_rate times the extent and an orientation by about pose_rate
   // in rad; both fall exponentially to `last_pose_share` at the end. Held-out photos get their poses from the
-  // finished kernels. Poses of photos that differ by less than a pixel get slightly worse by it.
+  // finished kernels. Exact poses get slightly worse by it.
   bool refine_poses = false;
   double poses_from = 0.05, pose_rate = 1e-4, last_pose_share = 0.01;
 

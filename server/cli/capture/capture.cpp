@@ -99,6 +99,7 @@ int run(CaptureCommand command) {
   const fs::path splat = work / "captured.ply", picture = work / "captured.png";
   const fs::path poses = work / "transforms.json";  // corrected by the training
   command.train.output = splat;
+  if (level->placed) command.train.train.refine_poses = true;
   const bool checkpoint = fs::exists(work / "captured.checkpoint", error);
   if (!fs::exists(splat, error) || checkpoint) {
     command.train.resume = checkpoint;

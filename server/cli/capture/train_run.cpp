@@ -77,7 +77,7 @@ void add_train_options(CLI::App& command, TrainRun& run) {
       ->check(CLI::Range(32, 16384))
       ->capture_default_str();
   command.add_flag("--refine-poses", run.train.refine_poses,
-                   "Correct the poses of the cameras in training, for poses with errors of a pixel or more");
+                   "Correct the poses of the cameras in training; always done for those of colmap");
   add_device_option(command, run.device);
 }
 
