@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/camera/orbit_camera.h"
-#include "core/math/rotation_between.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "core/math/rotation_between.h"
 
 namespace livegs {
 namespace {

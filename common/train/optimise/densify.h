@@ -20,7 +20,8 @@ inline constexpr double kGrowth = 0.05;        // share of new kernels at each g
 // the kernel. Smaller: halves separate slowly. Larger: gaps between them.
 inline constexpr double kSplitOffset = 0.8;
 
-// Opacity of each half: together they cover the centre of the kernel as it did. opacity in (0, 1).
+// Opacity of each half: together they cover the centre of the kernel as it did, as far as an opacity of 0.99
+// allows (up to 0.65 of the kernel). opacity in (0, 1).
 double split_opacity(double opacity);
 
 // `errors`: by kernel, the sum over pixels of its weight times the error of the pixel. Kernels are drawn with

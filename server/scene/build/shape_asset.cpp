@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/build/shape_asset.h"
-#include "core/math/rotation_between.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "core/math/rotation_between.h"
 
 namespace livegs {
 namespace {

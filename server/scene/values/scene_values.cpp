@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/values/scene_values.h"
-#include "core/math/rotation_between.h"
 
 #include <cmath>
 #include <numbers>
+
+#include "core/math/rotation_between.h"
 
 namespace livegs {
 namespace {
