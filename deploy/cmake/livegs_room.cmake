@@ -6,7 +6,7 @@ set(LIVEGS_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <algorithm> <
                           <condition_variable> <cstdint> <deque> <filesystem> <fstream> <functional> <map> <memory> <mutex>
                           <optional> <random> <set> <span> <sstream> <string> <thread> <unordered_map> <variant> <vector>)
 
-# livegs_precompile(TARGET common|tests LIBRARIES...): uses the precompiled headers unless a library is CGAL's.
+# livegs_precompile(TARGET common|tests|hot_tests LIBRARIES...): uses the precompiled headers unless a library is CGAL's.
 function(livegs_precompile target set)
   if(NOT LIVEGS_PRECOMPILE OR "${ARGN}" MATCHES "CGAL")
     return()
@@ -18,9 +18,9 @@ function(livegs_precompile target set)
     add_library(livegs_headers_${set} OBJECT ${source})
     target_link_libraries(livegs_headers_${set} PRIVATE Eigen3::Eigen)
     set(headers ${LIVEGS_COMMON_HEADERS})
-    if(set STREQUAL "tests")
+    if(set MATCHES "tests")
       find_package(GTest REQUIRED)
-      target_compile_options(livegs_headers_${set} PRIVATE ${LIVEGS_TEST_FLAGS})
+      livegs_test_flags(livegs_headers_${set} ${set})
       target_link_libraries(livegs_headers_${set} PRIVATE GTest::gtest)
       list(APPEND headers <gtest/gtest.h>)
     endif()
@@ -35,8 +35,29 @@ option(LIVEGS_UNITY "Compile the sources of a target in batches" ON)
 set(LIVEGS_UNITY_BATCH 24 CACHE STRING
     "Sources in a batch; more take less processor time, and up to 2 GB of memory for each process of the compiler")
 
-# Test sources are compiled for a short build; the code under test is optimised in its own room.
-set(LIVEGS_TEST_FLAGS "-O1;-g0" CACHE STRING "Compile options of test sources")
+# Test sources are compiled for a short build; the code under test is optimised in its own room. Those that compute much
+# themselves (LIVEGS_HOT_TESTS of their folder, or the label nightly) are optimised a little.
+set(LIVEGS_TEST_FLAGS "-O0;-g0" CACHE STRING "Compile options of test sources")
+set(LIVEGS_HOT_TEST_FLAGS "-O1;-g0" CACHE STRING "Compile options of test sources that compute much themselves")
+
+# livegs_test_flags(TARGET tests|hot_tests)
+function(livegs_test_flags target set)
+  if(set STREQUAL "hot_tests")
+    target_compile_options(${target} PRIVATE ${LIVEGS_HOT_TEST_FLAGS})
+  else()
+    target_compile_options(${target} PRIVATE ${LIVEGS_TEST_FLAGS})
+  endif()
+endfunction()
+
+# livegs_optimise_test(TARGET LIBRARIES...): adds the compile options and the precompiled headers of a test.
+function(livegs_optimise_test target)
+  set(set tests)
+  if(LIVEGS_HOT_TESTS)
+    set(set hot_tests)
+  endif()
+  livegs_test_flags(${target} ${set})
+  livegs_precompile(${target} ${set} ${ARGN})
+endfunction()
 
 # Targets that are built only on request: `benches` and `nightly_tests`.
 add_custom_target(benches)
@@ -66,8 +87,7 @@ function(livegs_add_test_support name)
   add_library(${name} STATIC EXCLUDE_FROM_ALL ${TEST_SOURCES})
   target_link_libraries(${name} PUBLIC ${TEST_LINK} PRIVATE livegs::options)
   target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR}/tests)
-  target_compile_options(${name} PRIVATE ${LIVEGS_TEST_FLAGS})
-  livegs_precompile(${name} tests ${TEST_LINK})
+  livegs_optimise_test(${name} ${TEST_LINK})
   livegs_unite(${name})
 endfunction()
 
@@ -77,10 +97,9 @@ function(livegs_add_test_program name)
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE livegs::options ${TEST_LINK} GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
-  target_compile_options(${name} PRIVATE ${LIVEGS_TEST_FLAGS})
   target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
                                              LIVEGS_TESTS_DIR="${CMAKE_SOURCE_DIR}/tests")
-  livegs_precompile(${name} tests ${TEST_LINK})
+  livegs_optimise_test(${name} ${TEST_LINK})
   livegs_unite(${name})
 endfunction()
 
@@ -96,6 +115,9 @@ function(livegs_add_test name)
   cmake_parse_arguments(TEST "SERIAL;EACH;WAITS" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT TEST_LABELS)
     set(TEST_LABELS unit)
+  endif()
+  if("nightly" IN_LIST TEST_LABELS)
+    set(LIVEGS_HOT_TESTS ON)
   endif()
   livegs_add_test_program(${name} SOURCES ${TEST_SOURCES} LINK ${TEST_LINK})
   if("nightly" IN_LIST TEST_LABELS)

@@ -83,7 +83,7 @@ Eigen::Vector3d vector_or(const Numbers& numbers, const Eigen::Vector3d& otherwi
 }
 
 Pose aimed(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction) {
-  return {from_m, rotation_between(-Eigen::Vector3d::UnitZ(), direction.normalized()).normalized()};
+  return {from_m, rotation_between(-Eigen::Vector3d::UnitZ(), direction)};
 }
 
 // The flatter of the two launch directions that hit the target at `speed`; straight at the target if it is

@@ -2,9 +2,10 @@
 #include "viewer/author/object_pose.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+
+#include "core/math/nearest_rotation.h"
 
 namespace livegs {
 namespace {
@@ -14,10 +15,7 @@ Pose fitted(const Eigen::Matrix3Xd& rest_m, const Eigen::Matrix3Xd& now_m) {
   const Eigen::Vector3d rest_centre = rest_m.rowwise().mean(), now_centre = now_m.rowwise().mean();
   const Eigen::Matrix3d covariance =
       (now_m.colwise() - now_centre) * (rest_m.colwise() - rest_centre).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
-  flip(2, 2) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
-  const Eigen::Matrix3d rotation = svd.matrixU() * flip * svd.matrixV().transpose();
+  const Eigen::Matrix3d rotation = nearest_rotation(covariance);
   return {now_centre - rotation * rest_centre, Eigen::Quaterniond(rotation).normalized()};
 }
 

@@ -76,7 +76,7 @@ Pose ray_through(const Camera& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector3d direction((pixel.x() - camera.centre_x_px) / camera.focal_x_px,
                                   -(pixel.y() - camera.centre_y_px) / camera.focal_y_px, -1.0);
   const Pose& eye = camera.world_from_camera;
-  const Eigen::Quaterniond turn = rotation_between(-Eigen::Vector3d::UnitZ(), direction.normalized());
+  const Eigen::Quaterniond turn = rotation_between(-Eigen::Vector3d::UnitZ(), direction);
   return {eye.position_m, (eye.orientation * turn).normalized()};
 }
 

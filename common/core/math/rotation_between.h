@@ -6,9 +6,9 @@
 
 namespace livegs {
 
-// The shortest rotation from the direction of `from` to that of `to`: Quaternion::FromTwoVectors, compiled
-// once. It has a singular value decomposition for opposite vectors, which each source would instantiate.
+// The shortest rotation, as a unit quaternion, from the direction of `from` to that of `to`. Between opposite
+// directions, its axis is the part of z across them, or of x if they are along z. Quaternion::FromTwoVectors
+// finds an axis by a singular value decomposition, which takes several seconds to compile.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
-Eigen::Quaternionf float_rotation_between(const Eigen::Vector3f& from, const Eigen::Vector3f& to);
 
 }  // namespace livegs

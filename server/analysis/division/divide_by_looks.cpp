@@ -119,8 +119,9 @@ std::vector<LooksSlice> slices_of(const SurfaceKernels& kernels, const std::vect
     if (!(sum.weight > 0)) continue;
     const Eigen::Vector2d mean = sum.mean / sum.weight;
     const Eigen::Matrix2d spread = sum.squares / sum.weight - mean * mean.transpose();
-    const Eigen::Vector2d widths =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues().cwiseMax(0).cwiseSqrt();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+    axes.computeDirect(spread, Eigen::EigenvaluesOnly);
+    const Eigen::Vector2d widths = axes.eigenvalues().cwiseMax(0).cwiseSqrt();
     // A thousandth of the length is below any width that matters.
     const double least = 1e-3 * places.length_m;
     slices[i].weight = sum.weight;

@@ -2,12 +2,12 @@
 #include "export/collect_recording.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <map>
 #include <set>
 
 #include "core/clock.h"
+#include "core/math/nearest_rotation.h"
 #include "core/text/shown_text.h"
 #include "gaussian/progressive_asset.h"
 #include "recording/recording_reader.h"
@@ -19,15 +19,20 @@ namespace {
 
 // The rigid motion that is nearest to that of the lattice nodes (Umeyama 1991).
 Pose rigid_fit(const RestBody& rest, const std::vector<Eigen::Vector3f>& nodes_m) {
-  const auto count = static_cast<Eigen::Index>(nodes_m.size());
-  Eigen::Matrix3Xd from(3, count), to(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto n = static_cast<size_t>(i);
-    from.col(i) = rest.object_from_lattice * (rest.cell_width_m * rest.node_coordinates[n].cast<double>());
-    to.col(i) = nodes_m[n].cast<double>();
+  const auto rest_m = [&](size_t n) -> Eigen::Vector3d {
+    return rest.object_from_lattice * (rest.cell_width_m * rest.node_coordinates[n].cast<double>());
+  };
+  const double share = 1.0 / static_cast<double>(nodes_m.size());
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+  for (size_t n = 0; n < nodes_m.size(); ++n) {
+    from += share * rest_m(n);
+    to += share * nodes_m[n].cast<double>();
   }
-  const Eigen::Matrix4d fit = Eigen::umeyama(from, to, false);
-  return {fit.topRightCorner<3, 1>(), Eigen::Quaterniond(fit.topLeftCorner<3, 3>().eval()).normalized()};
+  Eigen::Matrix3d match = Eigen::Matrix3d::Zero();
+  for (size_t n = 0; n < nodes_m.size(); ++n)
+    match += (nodes_m[n].cast<double>() - to) * (rest_m(n) - from).transpose();
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(nearest_rotation(match)).normalized();
+  return {to - rotation * from, rotation};
 }
 
 // A frame's state of one object.

@@ -9,7 +9,7 @@ namespace livegs {
 
 Pose joint_frame(const PortableJoint& joint) {
   Pose frame{joint.point_m, Eigen::Quaterniond::Identity()};
-  if (joint.hinge) frame.orientation = rotation_between(Eigen::Vector3d::UnitX(), joint.axis).normalized();
+  if (joint.hinge) frame.orientation = rotation_between(Eigen::Vector3d::UnitX(), joint.axis);
   return frame;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/field/sample_particles.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "core/assert.h"
 #include "core/disjoint_sets.h"
+#include "core/math/pseudo_inverse.h"
 #include "geometry/field/inside_grid.h"
 #include "geometry/field/point_grid.h"
 #include "geometry/mesh/mass_properties.h"
@@ -110,7 +110,7 @@ void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
     const Eigen::Vector3d arm = particles.positions_m[i] - centre_m;
     spread += particles.volumes_m3[i] / volume_m3 * arm * arm.transpose();
   }
-  const Eigen::Vector3d slope = spread.completeOrthogonalDecomposition().solve(wanted_m - centre_m);
+  const Eigen::Vector3d slope = pseudo_inverse(spread) * (wanted_m - centre_m);
   double most = 0.0;
   for (const Eigen::Vector3d& point : particles.positions_m)
     most = std::max(most, std::abs(slope.dot(point - centre_m)));

@@ -89,7 +89,8 @@ Matrix3d SmoothSurface::curvature(uint32_t triangle, const Vector3d& normal) con
   if (!entries.allFinite()) return Matrix3d::Zero();
   Eigen::Matrix2d operator_2d;
   operator_2d << entries[0], entries[1], entries[1], entries[2];
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> principal(operator_2d);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> principal;
+  principal.computeDirect(operator_2d);
   const Eigen::Matrix<double, 3, 2> axes = plane * principal.eigenvectors();
   return axes * principal.eigenvalues().cwiseMax(0.0).asDiagonal() * axes.transpose();
 }

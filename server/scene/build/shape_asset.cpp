@@ -52,7 +52,7 @@ GaussianAsset mesh_asset(const TriangleMesh& mesh, const Eigen::Vector3f& rgb, s
     const Eigen::Vector3d point = pa + st.x() * (pb - pa) + st.y() * (pc - pa) - kFlatness * width * normal;
     asset.positions[i] = point.cast<float>();
     asset.log_scales[i] = Eigen::Vector3f(std::log(width), std::log(width), std::log(kFlatness * width));
-    asset.rotations[i] = float_rotation_between(Eigen::Vector3f::UnitZ(), normal.cast<float>()).normalized();
+    asset.rotations[i] = rotation_between(Eigen::Vector3d::UnitZ(), normal).cast<float>();
     asset.opacity_logits[i] = kOpacityLogit;
     const float shade =
         static_cast<float>(0.55 + 0.25 * std::max(0.0, normal.dot(light)) + 0.2 * (0.5 + 0.5 * normal.y()));

@@ -132,7 +132,7 @@ Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::
         vector_value(file.plane().point_m(), Eigen::Vector3d::Zero(), field).value();
     const Eigen::Vector3d normal =
         vector_value(file.plane().normal(), Eigen::Vector3d::UnitY(), field).value();
-    const Pose plane{point, rotation_between(Eigen::Vector3d::UnitY(), normal.normalized())};
+    const Pose plane{point, rotation_between(Eigen::Vector3d::UnitY(), normal)};
     collider.world_from_collider = *pose * plane;
     collider.shape = PlaneShape{};
   } else if (file.has_box()) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/views/scene_drawing.h"
 
-#include <Eigen/SVD>
-
 #include "core/assert.h"
+#include "core/math/nearest_rotation.h"
 #include "splat/frame_bounds.h"
 
 namespace livegs {
@@ -26,12 +25,8 @@ ObjectDrivers particle_drivers(uint32_t object_id, const std::vector<ParticleSta
   drivers.kind = DriverKind::Particles;
   for (const ParticleState& particle : now) {
     drivers.positions_m.push_back(particle.position_m.cast<float>());
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(particle.deformation_gradient,
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d u = svd.matrixU();
-    if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
     drivers.rotations.push_back(
-        Eigen::Quaterniond(Eigen::Matrix3d(u * svd.matrixV().transpose())).normalized().cast<float>());
+        Eigen::Quaterniond(nearest_rotation(particle.deformation_gradient)).normalized().cast<float>());
   }
   return drivers;
 }

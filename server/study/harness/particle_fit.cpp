@@ -2,11 +2,12 @@
 #include "study/harness/particle_fit.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <vector>
+
+#include "core/math/nearest_rotation.h"
 
 namespace livegs::study {
 namespace {
@@ -115,10 +116,7 @@ double distance_from_rest_shape_m(const ElasticBody& body, const ParticleSet& re
     match += (pairs.now_m[i] - pairs.now_mean_m) * (pairs.rest_m[i] - pairs.rest_mean_m).transpose();
   }
   if (!match.allFinite()) return infinite;
-  const Eigen::JacobiSVD<Matrix3d> svd(match, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d mirror = Matrix3d::Identity();
-  mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  const Matrix3d rotation = svd.matrixU() * mirror * svd.matrixV().transpose();
+  const Matrix3d rotation = nearest_rotation(match);
   double sum = 0.0;
   for (size_t i = 0; i < pairs.rest_m.size(); ++i) {
     sum +=

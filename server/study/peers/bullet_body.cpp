@@ -11,10 +11,10 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/nearest_rotation.h"
 #include "study/harness/tetrahedral_box.h"
 #include "study/peers/bullet_convert.h"
 
@@ -256,10 +256,7 @@ Pose BulletBody::centre_pose() const {
     match += masses_kg_[i] * (at_node(static_cast<int>(i)) - pose.position_m) *
              (box_.nodes_m[i] - rest_centre).transpose();
   }
-  const Eigen::JacobiSVD<Matrix3d> svd(match, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d mirror = Matrix3d::Identity();
-  mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  pose.orientation = Eigen::Quaterniond(svd.matrixU() * mirror * svd.matrixV().transpose());
+  pose.orientation = Eigen::Quaterniond(nearest_rotation(match));
   return pose;
 }
 

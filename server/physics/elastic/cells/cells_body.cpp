@@ -3,13 +3,13 @@
 #include "physics/elastic/cells/cells_body.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "core/log.h"
+#include "core/math/pseudo_inverse.h"
 #include "core/revision.h"
 #include "physics/ablation/ablation.h"
 #include "physics/collision/surface_points.h"
@@ -302,7 +302,7 @@ std::vector<Vector3d> CellsBody::node_velocities(std::span<const Vector3d> veloc
     spread += particle_volumes_m3_[p] * r * r.transpose();
     moved += particle_volumes_m3_[p] * (velocities_m_s[p] - mean) * r.transpose();
   }
-  const Matrix3d gradient = spread.completeOrthogonalDecomposition().solve(moved.transpose()).transpose();
+  const Matrix3d gradient = moved * pseudo_inverse(spread);
   const auto linear = [&](const Vector3d& r) -> Vector3d { return mean + gradient * (r - middle); };
 
   std::vector<Vector3d> velocities(nodes_.count(), Vector3d::Zero());

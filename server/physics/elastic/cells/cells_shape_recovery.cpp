@@ -5,10 +5,10 @@
 // although it is at rest without contact. A body in contact, or with plastic flow, is recovered only if its
 // strain is extreme. Plastic flow of the tangled state is discarded. Test: elastic_recovery_test.cpp.
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/nearest_rotation.h"
 #include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/cells/plate_cell.h"
@@ -33,13 +33,6 @@ constexpr double kSettledEnergyRatio = 0.02;  // kinetic energy of the deviation
 double normalised_determinant(const Matrix3d& a) {
   const double size = a.norm() / std::sqrt(3.0);
   return size > 0.0 ? a.determinant() / (size * size * size) : 0.0;
-}
-
-Matrix3d nearest_rotation(const Matrix3d& a) {
-  const Eigen::JacobiSVD<Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d flip = Matrix3d::Identity();
-  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  return svd.matrixU() * flip * svd.matrixV().transpose();
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "analysis/analyze_scene.h"
 #include "analysis/views/object_views.h"
+#include "rates.h"
 #include "server/analysis/division/composite_objects.h"
 #include "server/analysis/gate/answer_fixtures.h"
 #include "server/analysis/model/fake_endpoint.h"
@@ -175,7 +176,9 @@ double share_in_right_part(const CompositeObject& object, const v1::PhysicalPara
 }
 
 TEST(PictureVotes, BoxesOfAModelDivideEightObjects) {
-  for (const auto& [views, halves] : {std::pair(1, false), {1, true}, {3, false}}) {
+  using Views = std::vector<std::pair<int, bool>>;  // count, boxes in halves
+  for (const auto& [views, halves] :
+       gate_or_full(Views{{1, true}}, Views{{1, false}, {1, true}, {3, false}})) {
     ViewedObjects viewed;
     std::mt19937 random(3);
     std::map<std::string, std::vector<TargetView>> shown;
