@@ -265,7 +265,18 @@ class HttpStore final : public ObjectStore {
   Result<std::optional<std::uint64_t>> size(const std::string& name, std::stop_token stop) override {
     HttpRequest request = to(name);
     request.head = true;
-    const auto reply = repeated(name, request, stop);
+    auto reply = repeated(name, request, stop);
+    const auto refused = [&] {
+      const ErrorCode code = error_of(name, *reply).code;
+      return reply->status >= 400 && code != ErrorCode::NotFound && code != ErrorCode::Unavailable;
+    };
+    if (reply && refused()) {
+      // A presigned address is valid for one method, some servers have no HEAD, and its reply has no body
+      // with the cause. The first piece of a GET has size or cause.
+      request.head = false;
+      request.on_part = [](const HttpPart&) { return false; };
+      reply = repeated(name, request, stop);
+    }
     if (!reply) return reply.error();
     if (reply->status == 404 || reply->status == 410) return std::optional<std::uint64_t>();
     if (reply->status != 200) return error_of(name, *reply);
@@ -502,8 +513,7 @@ Result<void> ObjectStore::read_to_file_by_hash(const std::string& hash, const fs
     if (!read) return read.error();
     if (*read == hash) return {};
   }
-  return invalid_data(shown(hash) +
-                      ": its bytes have another hash; remove the object and publish the scene again");
+  return invalid_data(shown(hash) + ": its bytes have another hash; publish the scene again with --verify");
 }
 
 Result<ObjectPlace> open_object(const std::string& place, const StoreTimes& times) {

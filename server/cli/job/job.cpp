@@ -449,9 +449,9 @@ Result<void> Job::finish() {
       if (!*current)
         return Error{ErrorCode::Unavailable, scene.files.path().filename().string() +
                                                  ": was published again meanwhile; repeat the command"};
-      const auto published =
-          publish_scene(scene.files.path(), *scene.store,
-                        [&](const std::string& list_hash) { return put_mark(mark, list_hash); });
+      PublishOptions options;
+      options.before_list = [&](const std::string& list_hash) { return put_mark(mark, list_hash); };
+      const auto published = publish_scene(scene.files.path(), *scene.store, options);
       if (!published) return published.error();
     }
   } else if (auto put = put_mark(mark, ""); !put) {

@@ -32,8 +32,7 @@ std::span<const std::byte> bytes_of(std::string_view text) { return std::as_byte
 
 class Publisher {
  public:
-  using BeforeList = std::function<Result<void>(const std::string& list_hash)>;
-  Publisher(ObjectStore& store, const BeforeList& before_list) : store_(store), before_list_(before_list) {}
+  Publisher(ObjectStore& store, const PublishOptions& options) : store_(store), options_(options) {}
 
   // A file at `path` relative to the scene file.
   Result<void> add_file(const std::string& path, std::span<const std::byte> bytes) {
@@ -78,8 +77,8 @@ class Publisher {
     std::string text;
     if (!google::protobuf::util::MessageToJsonString(list_, &text, print).ok())
       return Error{ErrorCode::Internal, name + ": the list of files cannot be written"};
-    if (before_list_) {
-      if (auto noted = before_list_(content_hash(bytes_of(text))); !noted) return noted.error();
+    if (options_.before_list) {
+      if (auto noted = options_.before_list(content_hash(bytes_of(text))); !noted) return noted.error();
     }
     if (auto put = store_.put(name + ".files.json", bytes_of(text)); !put) return put.error();
     return published_;
@@ -89,14 +88,28 @@ class Publisher {
   Result<void> put_once(const std::string& name, std::span<const std::byte> bytes) {
     const auto size = store_.size(name);
     if (!size) return size.error();
-    if (*size == bytes.size()) return {};
-    published_.written_bytes += bytes.size();
-    return store_.put(name, bytes);
+    bool right = *size == bytes.size();
+    if (right && options_.verify) {
+      const auto hash = store_.hash(name);
+      if (!hash) return hash.error();
+      published_.read_bytes += bytes.size();
+      right = *hash == content_hash(bytes);
+      if (!right) {
+        log_warn("%s: its bytes have another hash; replacing it", store_.shown(name).c_str());
+        ++published_.replaced;
+      }
+    }
+    if (!right) {
+      if (auto put = store_.put(name, bytes); !put) return put;
+      published_.written_bytes += bytes.size();
+    }
+    if (options_.progress) options_.progress(published_);
+    return {};
   }
 
   static inline const std::string kAssetFolder = "assets/";
   ObjectStore& store_;
-  const BeforeList& before_list_;
+  const PublishOptions& options_;
   v1::StoredScene list_;
   PublishedScene published_;
   std::map<std::string, std::string> hashes_;  // of files, by path
@@ -112,15 +125,14 @@ std::string name_of(const SceneText& text) {
 
 }  // namespace
 
-Result<PublishedScene> publish_scene(
-    const fs::path& path, ObjectStore& store,
-    const std::function<Result<void>(const std::string& list_hash)>& before_list) {
+Result<PublishedScene> publish_scene(const fs::path& path, ObjectStore& store,
+                                     const PublishOptions& options) {
   auto text = read_scene(path);
   if (!text) return text.error();
   auto scene = Scene::build(text->file, text->folder, text->name, {});
   if (!scene) return Error{scene.error().code, text->name + ": " + scene.error().message};
 
-  Publisher publisher(store, before_list);
+  Publisher publisher(store, options);
   const auto add = [&](const std::string& given) -> Result<void> {
     const auto bytes = read_file(text->folder / given);
     if (!bytes) return bytes.error();

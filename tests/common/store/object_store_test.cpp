@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <sstream>
+#include <string>
 #include <thread>
+#include <tuple>
+#include <vector>
 
 #include "core/clock.h"
 #include "core/content_hash.h"
@@ -220,6 +223,39 @@ TEST(ObjectStore, RepeatsWhatMayPassAndReportsWhatDoesNot) {
   }
   const auto nowhere = opened("http://127.0.0.1:1")->get("one");
   EXPECT_EQ(nowhere.error().code, ErrorCode::Unavailable);
+}
+
+// A presigned address is valid for GET only, and the reply to HEAD has no body.
+TEST(ObjectStore, SizeOfAStoreThatRefusesHead) {
+  ObjectStoreMock mock;
+  mock.set("one", std::string(20'000'000, 'x'));
+  mock.set("empty", "");
+  const auto store = opened(mock.url());
+  for (const int refusal : {400, 403, 405}) {
+    mock.set_fault([&](const SeenRequest& request, int) -> std::optional<Reply> {
+      if (request.method == "HEAD") return status(refusal);
+      return std::nullopt;
+    });
+    EXPECT_EQ(store->size("one").value(), 20'000'000u) << refusal;
+    EXPECT_EQ(store->size("empty").value(), 0u) << refusal;
+    EXPECT_EQ(store->size("two").value(), std::nullopt) << refusal;
+  }
+  const std::vector<std::tuple<std::string, int, ErrorCode>> causes{
+      {"ExpiredToken", 400, ErrorCode::Unavailable}, {"AccessDenied", 403, ErrorCode::PermissionDenied}};
+  for (const auto& [cause, code, kind] : causes) {
+    int asked = 0;
+    mock.set_fault([&](const SeenRequest& request, int) -> std::optional<Reply> {
+      ++asked;
+      Reply reply = status(code);
+      if (request.method != "HEAD") reply.body = "<Error><Code>" + cause + "</Code></Error>";
+      return reply;
+    });
+    const auto size = store->size("one");
+    ASSERT_FALSE(size);
+    EXPECT_EQ(size.error().code, kind) << cause;
+    EXPECT_NE(size.error().message.find("(" + cause + ")"), std::string::npos) << size.error().message;
+    EXPECT_EQ(asked, 2) << cause;
+  }
 }
 
 TEST(ObjectStore, RefusesOtherBytesThanTheHash) {

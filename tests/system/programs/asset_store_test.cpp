@@ -215,6 +215,34 @@ TEST_F(AssetStores, FilesAreVerified) {
                  stored_server(mock_.url() + "/other.scene.json"));
 }
 
+// Objects of the right size with wrong bytes are kept by a plain publication.
+TEST_F(AssetStores, PublishVerifiesAndReplacesDamagedObjects) {
+  publish();
+  std::map<std::string, std::string> right;
+  for (const std::string& name : mock_.names()) right[name] = mock_.get(name);
+  const std::vector<std::string> words = {LIVEGS_TOOL, "publish", scene_, "--asset-store", mock_.url()};
+  size_t damaged = 0;
+  for (auto [name, bytes] : right) {
+    if (name.ends_with(".json")) continue;  // written each time
+    bytes[bytes.size() / 2] ^= 1;
+    mock_.set(name, bytes);
+    ++damaged;
+  }
+  ASSERT_GT(damaged, 4u);
+  Program plain(words);
+  ASSERT_EQ(plain.wait(), 0) << plain.err();
+  EXPECT_NE(plain.out().find("written: 0.0 MB\n"), std::string::npos) << plain.out();
+  auto verifying = words;
+  verifying.push_back("--verify");
+  Program repair(verifying);
+  ASSERT_EQ(repair.wait(), 0) << repair.err();
+  EXPECT_NE(repair.out().find(", replaced: " + std::to_string(damaged) + "\n"), std::string::npos)
+      << repair.out();
+  EXPECT_NE(repair.err().find("its bytes have another hash; replacing it"), std::string::npos)
+      << repair.err();
+  for (const auto& [name, bytes] : right) EXPECT_TRUE(mock_.get(name) == bytes) << name;
+}
+
 // A scene file on this machine whose other files are in a folder as store.
 TEST_F(AssetStores, ALocalSceneTakesItsMissingFilesFromTheStore) {
   std::filesystem::rename(folder_ / "things/cup.csv", folder_ / "rooms/cup.csv");
