@@ -36,8 +36,7 @@ struct PartsOptions {
 };
 
 struct RoomPart {
-  uint16_t label = 0;            // i + 1 for part i
-  Eigen::AlignedBox3d bounds_m;  // of its voxels
+  uint16_t label = 0;  // i + 1 for part i
   size_t kernel_count = 0;
   size_t voxel_count = 0;
   std::optional<size_t> support;  // index of the plane it rests on, alone or in a stack

@@ -172,11 +172,9 @@ int bench_made(const std::string& only) {
       for (const RoomPlane& plane : found->planes.walls)
         std::fprintf(stderr, "  wall at %.4f share %.3f\n", plane.offset_m, plane.share);
       for (const RoomPart& part : found->parts)
-        std::fprintf(stderr, "  part %u voxels %zu kernels %zu support %d wall %d size %.2f %.2f %.2f\n",
-                     part.label, part.voxel_count, part.kernel_count,
-                     part.support ? static_cast<int>(*part.support) : -1,
-                     part.wall ? static_cast<int>(*part.wall) : -1, part.bounds_m.sizes().x(),
-                     part.bounds_m.sizes().y(), part.bounds_m.sizes().z());
+        std::fprintf(stderr, "  part %u voxels %zu kernels %zu support %d wall %d\n", part.label,
+                     part.voxel_count, part.kernel_count, part.support ? static_cast<int>(*part.support) : -1,
+                     part.wall ? static_cast<int>(*part.wall) : -1);
       const std::string name = std::string(room_kind_name(kind)) + (known ? "_known" : "_chosen");
       for (size_t v : {size_t{0}, size_t{3}}) {
         const Image picture = draw_alone(room.asset, views.held_out[v]);

@@ -136,7 +136,7 @@ std::string page_text(const SegmentedRoom& room) {
   page += line;
   page += "Left: the thing at its place. Right: the room without it.\n\n";
   for (const SegmentedThing& thing : room.things) {
-    const Eigen::Vector3d size = room.scale * thing.part.bounds_m.sizes();
+    const Eigen::Vector3d size = room.scale * thing.size;
     std::snprintf(
         line, sizeof line, "## %s\n\n%zu kernels, %.3g x %.3g x %.3g m%s%s%s\n\n![%s](%s.png)\n\n",
         thing.name.c_str(), thing.asset.size(), size.x(), size.y(), size.z(),

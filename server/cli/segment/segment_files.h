@@ -16,7 +16,8 @@ struct SegmentedThing {
   std::string name;  // also of its files
   GaussianAsset asset;
   RoomPart part;
-  bool unfilled = false;  // the room behind it is not filled
+  bool unfilled = false;                           // the room behind it is not filled
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // of its box, along the axes of the asset and in its unit
 };
 struct SegmentedRoom {
   GaussianAsset room;  // without the things, filled behind them

@@ -9,6 +9,7 @@
 #include "cli/output_path.h"
 #include "cli/segment/segment_files.h"
 #include "core/log.h"
+#include "gaussian/opacity.h"
 #include "parts/labelled_room.h"
 #include "parts/views/choose_cameras.h"
 #include "splat/image.h"
@@ -20,6 +21,8 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxCameraTilt_deg = 40;  // between the mean up axis of photos and an axis of the splat
 constexpr double kMaxKnownLength_m = 1000;
+// Kernels of less opacity do not count for the size of a thing: faint ones reach far beyond its surface.
+constexpr float kSolidOpacity = 0.5f;
 
 struct UpAxis {
   const char* name;
@@ -28,6 +31,20 @@ struct UpAxis {
 const UpAxis kUpAxes[] = {{"-y", -Eigen::Vector3d::UnitY()}, {"y", Eigen::Vector3d::UnitY()},
                           {"z", Eigen::Vector3d::UnitZ()},   {"-z", -Eigen::Vector3d::UnitZ()},
                           {"x", Eigen::Vector3d::UnitX()},   {"-x", -Eigen::Vector3d::UnitX()}};
+
+// The box of the solid kernels, without those that hang below the support of the thing.
+Eigen::Vector3d size_of(const GaussianAsset& thing, const RoomParts& parts, const RoomPart& part) {
+  const RoomPlane* support = part.support ? &parts.planes.supports[*part.support] : nullptr;
+  Eigen::AlignedBox3d box;
+  for (size_t k = 0; k < thing.size(); ++k) {
+    const Eigen::Vector3d position = thing.positions[k].cast<double>();
+    if (opacity_of_logit(thing.opacity_logits[k]) < kSolidOpacity) continue;
+    if (support && support->height_m(position) < -parts.footprint_m) continue;
+    box.extend(position);
+  }
+  if (box.isEmpty()) return Eigen::Vector3d::Zero();
+  return box.sizes();
+}
 
 // The up axis: that of the option, else the mean up axis of the cameras, else that of 3DGS tools.
 Result<UpAxis> choose_up(const std::string& wanted, const std::vector<Camera>& cameras) {
@@ -151,13 +168,6 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
       request.name + ": has nothing that stands on a floor, a table or a wall; nothing was written");
   if (found->parts.empty()) return nothing;
   room.scale = request.scale;
-  if (request.known) {
-    const size_t count = found->parts.size(), thing = request.known->thing;
-    if (thing > count)
-      return invalid_argument("--known: " + thing_name(thing) + " is not among the " + std::to_string(count) +
-                              " things that were found; give one of the parts that livegs segment wrote");
-    room.scale = request.known->longest_side_m / found->parts[thing - 1].bounds_m.sizes().maxCoeff();
-  }
   log_info("segment: borders");
   const LabelledRoom labelled = label_room(room.original, *found);
   std::vector<uint32_t> taken;
@@ -170,15 +180,27 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
     taken.push_back(part.label);
     const bool filled = std::find(labelled.label.begin(), labelled.label.end(),
                                   label_of(KernelKind::Fill, part.label)) != labelled.label.end();
-    room.things.push_back({thing_name(part.label), std::move(thing), part, !filled});
+    const Eigen::Vector3d size = size_of(thing, *found, part);
+    room.things.push_back({thing_name(part.label), std::move(thing), part, !filled, size});
   }
   if (room.things.empty()) return nothing;
+  if (request.known) {
+    const std::string name = thing_name(request.known->thing);
+    const auto known = std::find_if(room.things.begin(), room.things.end(),
+                                    [&](const SegmentedThing& thing) { return thing.name == name; });
+    if (known == room.things.end())
+      return invalid_argument("--known: " + name + " is not among the " + std::to_string(room.things.size()) +
+                              " things that were found; give one of the parts that livegs segment wrote");
+    if (!(known->size.maxCoeff() > 0))
+      return invalid_argument("--known: " + name + " has no solid kernel; give another part");
+    room.scale = request.known->longest_side_m / known->size.maxCoeff();
+  }
   room.room = room_without(labelled, taken);
   room.parts = std::move(*found);
   const SegmentOutcome outcome{room.things.size(), room.scale};
   std::string lines;
   for (const SegmentedThing& thing : room.things) {
-    const Eigen::Vector3d size = room.scale * thing.part.bounds_m.sizes();
+    const Eigen::Vector3d size = room.scale * thing.size;
     char line[200];
     std::snprintf(line, sizeof line, "%s: %zu kernels, %.3g x %.3g x %.3g m%s\n", thing.name.c_str(),
                   thing.asset.size(), size.x(), size.y(), size.z(),

@@ -63,14 +63,13 @@ void decide_labels(const GaussianAsset& asset, const LabelWeights& weights, Room
   spread_labels(asset, found);
 }
 
-// Bounds, colours and numbers of kernels; parts without kernels are removed and the rest renumbered.
+// Colours and numbers of kernels; parts without kernels are removed and the rest renumbered.
 void describe_parts(const GaussianAsset& asset, RoomParts& found) {
-  for (RoomPart& part : found.parts) part.kernel_count = 0, part.bounds_m.setEmpty(), part.mean_rgb.setZero();
+  for (RoomPart& part : found.parts) part.kernel_count = 0, part.mean_rgb.setZero();
   for (size_t k = 0; k < asset.size(); ++k) {
     if (found.label[k] == kRoomLabel) continue;
     RoomPart& part = found.parts[found.label[k] - 1];
     ++part.kernel_count;
-    part.bounds_m.extend(asset.positions[k].cast<double>());
     part.mean_rgb += Eigen::Vector3f::Constant(0.5f) + kShBand0 * asset.sh_dc[k];
   }
   std::vector<uint16_t> renumbered(found.parts.size() + 1, 0);

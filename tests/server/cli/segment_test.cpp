@@ -109,6 +109,21 @@ TEST_F(Segment, AKnownLengthSetsTheScale) {
   const Answer answer = segment({"--known", "part_02=0.5"});
   ASSERT_EQ(answer.code, 0) << answer.err;
   EXPECT_NEAR(longest(answer.out, "part_02"), 0.5, 0.002);  // printed with three digits
+  // The scale is that of the true thing.
+  const auto scene = read_text_file(folder / "parts" / "room.scene.json").value();
+  const double scale = std::atof(scene.c_str() + scene.find("\"scale\":") + 8);
+  for (int n = 1; n <= 5; ++n) {
+    const std::string name = "part_0" + std::to_string(n);
+    const auto part = read_asset(folder / "parts" / (name + ".ply"));
+    ASSERT_TRUE(part) << part.error().message;
+    const Eigen::Vector3d inside = part->asset.positions[part->asset.size() / 2].cast<double>();
+    const auto truth =
+        std::min_element(room.bounds_m.begin(), room.bounds_m.end(), [&](const auto& one, const auto& other) {
+          return one.squaredExteriorDistance(inside) < other.squaredExteriorDistance(inside);
+        });
+    // Kernels of the table that a flat thing takes along at its foot widen it.
+    EXPECT_NEAR(longest(answer.out, name) / (scale * truth->sizes().maxCoeff()), 1.0, 0.25) << name;
+  }
   fs::remove_all(folder / "parts");
   for (const auto& [words, why] :
        {std::pair("part_09=0.5", "is not among the 5 things"), std::pair("part_02=-1", "write part_03=0.21"),
