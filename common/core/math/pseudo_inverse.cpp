@@ -7,6 +7,7 @@
 namespace livegs {
 namespace {
 
+// Eigenvalue over the largest one below which it is rounding.
 constexpr double kNullRatio = 8.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
