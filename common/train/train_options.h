@@ -24,6 +24,10 @@ struct TrainOptions {
   // weight. Texture already determines the depth of a surface, and at the edge of an object two depths are
   // correct.
   double spread_edge = 0.02;
+  // Error of a pixel (root of the sum of squares) at which it has half of that weight. The loss chooses among
+  // kernels that meet the photo. Elsewhere it would keep kernels in front of a surface that they hide,
+  // because opaque kernels have no spread.
+  double spread_error = 0.05;
   bool ignore_masked = false;                      // ignores pixels whose mask is 0
   uint64_t max_picture_bytes = uint64_t{1} << 30;  // of photos in memory
 

@@ -57,8 +57,39 @@ void distort(const LensDistortion& lens, double& x, double& y) {
   x = distorted_x;
 }
 
+// Pixels and weights of Catmull and Rom's cubic interpolation (Keys 1981, a = -1/2) along an edge of `size`
+// pixels, at `x`, where 0 is the centre of the first pixel. Linear interpolation would blur a photo by an
+// amount that depends on the place, up to the loss of single pixels halfway between two of them.
+struct CubicTaps {
+  CubicTaps(double x, int size) {
+    const double below = std::floor(std::clamp(x, -1.0, static_cast<double>(size)));
+    const auto t = static_cast<float>(std::clamp(x - below, 0.0, 1.0));
+    for (int i = 0; i < 4; ++i) pixels[i] = std::clamp(static_cast<int>(below) - 1 + i, 0, size - 1);
+    weights[0] = 0.5f * t * (-1 + t * (2 - t));
+    weights[1] = 0.5f * (2 + t * t * (-5 + 3 * t));
+    weights[2] = 0.5f * t * (1 + t * (4 - 3 * t));
+    weights[3] = 0.5f * t * t * (t - 1);
+  }
+  int pixels[4];
+  float weights[4];
+};
+
+// Adds the colour of the photo at a point, multiplied by opacity, and the opacity.
+void add_sample(const Image& photo, double x, double y, float (&sum)[4]) {
+  const CubicTaps columns(x, photo.width), rows(y, photo.height);
+  for (int i = 0; i < 4; ++i) {
+    if (rows.weights[i] == 0) continue;
+    for (int k = 0; k < 4; ++k) {
+      const float* pixel = photo.at(columns.pixels[k], rows.pixels[i]);
+      const float weight = rows.weights[i] * columns.weights[k];
+      for (int c = 0; c < 3; ++c) sum[c] += weight * pixel[3] * pixel[c];
+      sum[3] += weight * pixel[3];
+    }
+  }
+}
+
 // Mean of the photo over each pixel of `to`. Along each edge a pixel is sampled at as many points as it
-// covers pixels of the photo, with bilinear interpolation; without distortion and for whole factors this is
+// covers pixels of the photo, with cubic interpolation; without distortion and for whole factors this is
 // the mean of the pixels. A sample outside the photo makes the pixel not count.
 CapturedPicture resample(const Image& photo, const Image* mask, const CapturedView& view, const Camera& to) {
   CapturedPicture picture;
@@ -99,26 +130,13 @@ CapturedPicture resample(const Image& photo, const Image* mask, const CapturedVi
             const float* label = mask->at(at_x, at_y);
             if (label[0] + label[1] + label[2] == 0.0f) counted = false;
           }
-          const double left = std::clamp(x - 0.5, 0.0, photo.width - 1.0);
-          const double top = std::clamp(y - 0.5, 0.0, photo.height - 1.0);
-          const int x0 = static_cast<int>(left), y0 = static_cast<int>(top);
-          const int x1 = std::min(x0 + 1, photo.width - 1), y1 = std::min(y0 + 1, photo.height - 1);
-          const auto part_x = static_cast<float>(left - x0), part_y = static_cast<float>(top - y0);
-          const float* corners[4] = {photo.at(x0, y0), photo.at(x1, y0), photo.at(x0, y1), photo.at(x1, y1)};
-          const float weights[4] = {(1 - part_x) * (1 - part_y), part_x * (1 - part_y), (1 - part_x) * part_y,
-                                    part_x * part_y};
-          for (int corner = 0; corner < 4; ++corner) {
-            const float weight = weights[corner];
-            const float alpha = corners[corner][3];
-            for (int c = 0; c < 3; ++c) sum[c] += weight * alpha * corners[corner][c];
-            sum[3] += weight * alpha;
-          }
+          add_sample(photo, x - 0.5, y - 0.5, sum);
         }
       }
       const size_t pixel = static_cast<size_t>(row) * to.width + column;
       const auto scale = 255.0f / static_cast<float>(samples_x * samples_y);
       for (size_t c = 0; c < 4; ++c)
-        picture.rgba[4 * pixel + c] = static_cast<uint8_t>(std::min(255.0f, sum[c] * scale + 0.5f));
+        picture.rgba[4 * pixel + c] = static_cast<uint8_t>(std::clamp(sum[c] * scale + 0.5f, 0.0f, 255.0f));
       if (!counted) picture.counts[pixel] = 0;
       all_count = all_count && counted;
       opaque = opaque && (!counted || picture.rgba[4 * pixel + 3] == 255);

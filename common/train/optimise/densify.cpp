@@ -72,8 +72,6 @@ void split(KernelParameters& parameters, size_t kernel, size_t second, std::vect
       static_cast<float>(kSplitOffset) * std::exp(log_scale[axis]) *
       Eigen::Quaternionf(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix().col(axis);
   log_scale[axis] += static_cast<float>(0.5 * std::log(1 - kSplitOffset * kSplitOffset));
-  const double opacity = split_opacity(opacity_of(parameters, kernel));
-  *parameters.row(Family::Opacity, kernel) = static_cast<float>(std::log(opacity / (1 - opacity)));
   errors[kernel] *= 0.5f;
   errors[second] = errors[kernel];
   copy_row(parameters, kernel, parameters, second);
@@ -86,11 +84,6 @@ void split(KernelParameters& parameters, size_t kernel, size_t second, std::vect
 }
 
 }  // namespace
-
-double split_opacity(double opacity) {
-  const double at_centre = std::exp(-0.5 * kSplitOffset * kSplitOffset / (1 - kSplitOffset * kSplitOffset));
-  return std::clamp((1 - std::sqrt(1 - opacity)) / at_centre, kDeadOpacity, 0.99);
-}
 
 size_t relocate_dead(uint64_t seed, uint64_t step, std::vector<float>& errors, KernelParameters& parameters,
                      AdamState& adam) {

@@ -17,12 +17,9 @@ inline constexpr double kDeadOpacity = 0.005;  // kernels up to this opacity are
 inline constexpr double kGrowth = 0.05;        // share of new kernels at each growth
 // Distance of the halves of a split kernel from its centre, in standard deviations along its longest axis.
 // The halves have sqrt(1 - offset^2) = 0.6 of that axis, so that the pair has the mean and the covariance of
-// the kernel. Smaller: halves separate slowly. Larger: gaps between them.
+// the kernel. They keep its opacity: a larger one would make a kernel more opaque with each split, also one
+// that hides what the photos show. Smaller: halves separate slowly. Larger: gaps between them.
 inline constexpr double kSplitOffset = 0.8;
-
-// Opacity of each half: together they cover the centre of the kernel as it did, as far as an opacity of 0.99
-// allows (up to 0.65 of the kernel). opacity in (0, 1).
-double split_opacity(double opacity);
 
 // `errors`: by kernel, the sum over pixels of its weight times the error of the pixel. Kernels are drawn with
 // these weights, each at most once; the halves of a split kernel have half of its error.

@@ -88,10 +88,10 @@ static std::string fingerprint_of(const Capture& capture, const TrainOptions& o)
                   double{o.shape.scale_weight}, o.ignore_masked ? 1 : 0);
   text += format_text(" %d %g %g", o.refine_poses ? 1 : 0, o.poses_from, o.pose_rate);
   text += format_text(" %g", o.last_pose_share);
-  text += format_text(" %g %g %g %g %g %g %g %g %g %g %g %g %g %g", o.position_rate, o.last_position_rate,
+  text += format_text(" %g %g %g %g %g %g %g %g %g %g %g %g %g %g %g", o.position_rate, o.last_position_rate,
                       o.scale_rate, o.rotation_rate, o.opacity_rate, o.colour_rate, o.harmonics_rate,
                       o.grow_from, o.grow_until, o.harmonics_interval, o.min_axis_px, o.last_rate_share,
-                      o.spread_weight, o.spread_edge);
+                      o.spread_weight, o.spread_edge, o.spread_error);
   for (const CapturedView& view : capture.views) {
     const Camera& c = view.camera;
     const Eigen::Vector3d& p = c.world_from_camera.position_m;

@@ -45,8 +45,9 @@ Result<void> check_options(const TrainOptions& options) {
     return invalid_argument("training: the limit of kernels must be from 100 to 10000000");
   if (options.longest_px != 0 && (options.longest_px < 32 || options.longest_px > 16384))
     return invalid_argument("training: the longest edge must be from 32 to 16384 px");
-  if (!(options.spread_weight >= 0) || !(options.spread_edge > 0))
-    return invalid_argument("training: the weight of the spread must be 0 or more, its edge more than 0");
+  if (!(options.spread_weight >= 0) || !(options.spread_edge > 0) || !(options.spread_error > 0))
+    return invalid_argument(
+        "training: the weight of the spread must be 0 or more, its edge and its error more than 0");
   return {};
 }
 
@@ -84,6 +85,7 @@ double Trainer::State::spread_loss(std::span<const uint8_t> counts) {
   const auto factor =
       static_cast<float>(options.spread_weight / (extent * static_cast<double>(target.pixels())));
   const auto over_edge = static_cast<float>(1 / (options.spread_edge * options.spread_edge));
+  const auto over_error = static_cast<float>(1 / (options.spread_error * options.spread_error));
   const int width = target.width, height = target.height;
   by_spread.resize(target.pixels());
   parallel_for(static_cast<size_t>(height), kRowBlock, [&](size_t begin, size_t end) {
@@ -91,15 +93,18 @@ double Trainer::State::spread_loss(std::span<const uint8_t> counts) {
       const int up = std::max(y - 1, 0), down = std::min(y + 1, height - 1);
       for (int x = 0; x < width; ++x) {
         const int left = std::max(x - 1, 0), right = std::min(x + 1, width - 1);
-        float change = 0;
-        for (const auto* plane : {&target.red, &target.green, &target.blue}) {
-          const auto at = [&](int px, int py) { return (*plane)[static_cast<size_t>(py) * width + px]; };
-          const float across = 0.5f * (at(right, y) - at(left, y)), along = 0.5f * (at(x, down) - at(x, up));
-          change += across * across + along * along;
-        }
         const size_t i = static_cast<size_t>(y) * width + x;
+        float change = 0, error = 0;
+        for (const auto plane : {&PicturePlanes::red, &PicturePlanes::green, &PicturePlanes::blue}) {
+          const std::vector<float>& photo = target.*plane;
+          const auto at = [&](int px, int py) { return photo[static_cast<size_t>(py) * width + px]; };
+          const float across = 0.5f * (at(right, y) - at(left, y)), along = 0.5f * (at(x, down) - at(x, up));
+          const float off = (view.picture().*plane)[i] - photo[i];
+          change += across * across + along * along;
+          error += off * off;
+        }
         const float seen = counts.empty() || counts[i] != 0 ? target.alpha[i] : 0.0f;
-        by_spread[i] = seen * factor / (1 + change * over_edge);
+        by_spread[i] = seen * factor / (1 + change * over_edge + error * over_error);
       }
     }
   });
@@ -277,7 +282,9 @@ double Trainer::State::rate_factor() const {
 void Trainer::State::place_held_out(size_t index, const CapturedPicture& photo,
                                     const TrainedViewOptions& view_options) {
   CameraPose& pose = poses[index];
-  pose = {.world_from_camera = pose.world_from_camera};
+  const Pose start = pose.world_from_camera;
+  pose = {};
+  pose.world_from_camera = start;
   for (int k = 0; k < kPlacingSteps; ++k) {
     view.draw(kernels, camera_of(index), view_options);
     loss.evaluate(view.picture(), target, photo.counts, 0.0f, by_picture);

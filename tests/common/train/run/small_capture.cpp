@@ -33,6 +33,10 @@ void write_small_capture(const std::filesystem::path& folder, const SmallCapture
     asset.opacity_logits[k] = 2;
     asset.rotations[k] = Eigen::Quaternionf::Identity();
     const float deviation = 0.04f + 0.04f * number(7);
+    if (options.floor) {
+      asset.positions[k] = 2.4f * asset.positions[k].cwiseProduct(Eigen::Vector3f(1, 0, 1));
+      asset.opacity_logits[k] = 4;
+    }
     posed.positions_m[k] = asset.positions[k];
     posed.covariances_m2[k] = {deviation * deviation, 0, 0, deviation * deviation, 0, deviation * deviation};
     posed.world_from_asset[k] = Eigen::Quaternionf::Identity();
@@ -46,8 +50,9 @@ void write_small_capture(const std::filesystem::path& folder, const SmallCapture
   std::filesystem::create_directories(folder / "images");
   for (size_t i = 0; i < options.views; ++i) {
     const double turn = 2 * M_PI * static_cast<double>(i) / static_cast<double>(options.views);
-    const Camera camera = look_at({2 * std::cos(turn), 0.6 * std::sin(3 * turn), 2 * std::sin(turn)},
-                                  {0, 0, 0}, {0, 1, 0}, 0.7, options.width, options.height);
+    const double height = options.floor ? 1.6 : 0.6 * std::sin(3 * turn);
+    const Camera camera = look_at({2 * std::cos(turn), height, 2 * std::sin(turn)}, {0, 0, 0}, {0, 1, 0}, 0.7,
+                                  options.width, options.height);
     const DrawnObject object{&asset, &posed, 1};
     Rasteriser rasteriser;
     RasterisedView view;

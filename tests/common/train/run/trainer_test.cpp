@@ -51,6 +51,38 @@ TEST(Trainer, FitsASmallScene) {
   EXPECT_LE(trainer->asset().size(), 400u);
 }
 
+// Points between the cameras and a floor, as wrong matches give them, one for five right ones. Their kernels
+// hide the floor at first; they must be removed instead of being multiplied where they cause errors.
+TEST(Trainer, WrongPointsDoNotHideTheScene) {
+  ScratchFolder folder;
+  SmallCapture small;
+  small.views = 32;
+  small.width = 96;
+  small.height = 72;
+  small.kernels = 1500;
+  small.floor = true;
+  write_small_capture(folder.path(), small);
+  auto capture = read_capture(folder.path());
+  ASSERT_TRUE(capture) << capture.error().message;
+  const size_t right = capture->points.size();
+  double scores[2];
+  for (const bool wrong : {false, true}) {
+    for (size_t i = 0; wrong && i < right / 5; ++i) {
+      const auto number = [&](uint64_t stream) { return static_cast<float>(random_share(7, stream, i)); };
+      capture->points.push_back({2 * number(1) - 1, 0.2f + 0.9f * number(2), 2 * number(3) - 1});
+      capture->point_colours.push_back({number(4), number(5), number(6)});
+    }
+    TrainOptions options = short_options(300);
+    options.max_kernels = 3000;
+    auto trainer = Trainer::start(*capture, options);
+    ASSERT_TRUE(trainer) << trainer.error().message;
+    take_steps(*trainer, options.steps);
+    scores[wrong ? 1 : 0] = trainer->score()->psnr_db;
+  }
+  EXPECT_GT(scores[0], 30);
+  EXPECT_GT(scores[1], scores[0] - 3);
+}
+
 // Poses that are wrong by half a degree and one per cent of the distance. Errors that all cameras have in
 // common are those of the frame and do not count.
 TEST(Trainer, PosesAreCorrected) {
@@ -84,15 +116,19 @@ TEST(Trainer, PosesAreCorrected) {
     }
     return std::sqrt(squares / static_cast<double>(count));
   };
-  double errors[2], scores[2];
+  // Means over three seeds: single runs differ by about a decibel.
+  double errors[2] = {}, scores[2] = {};
   for (const bool refines : {false, true}) {
-    TrainOptions options = short_options(600);
-    options.refine_poses = refines;
-    auto trainer = Trainer::start(*capture, options);
-    ASSERT_TRUE(trainer) << trainer.error().message;
-    take_steps(*trainer, 600);
-    errors[refines ? 1 : 0] = error_rad(*trainer);
-    scores[refines ? 1 : 0] = trainer->score()->psnr_db;
+    for (uint64_t seed : {1, 2, 3}) {
+      TrainOptions options = short_options(600);
+      options.refine_poses = refines;
+      options.seed = seed;
+      auto trainer = Trainer::start(*capture, options);
+      ASSERT_TRUE(trainer) << trainer.error().message;
+      take_steps(*trainer, 600);
+      errors[refines ? 1 : 0] += error_rad(*trainer) / 3;
+      scores[refines ? 1 : 0] += trainer->score()->psnr_db / 3;
+    }
   }
   EXPECT_LT(errors[1], 0.6 * errors[0]);
   EXPECT_GT(scores[1], scores[0] + 1);
