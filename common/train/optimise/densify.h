@@ -17,8 +17,8 @@ inline constexpr double kDeadOpacity = 0.005;  // kernels up to this opacity are
 inline constexpr double kGrowth = 0.05;        // share of new kernels at each growth
 // Distance of the halves of a split kernel from its centre, in standard deviations along its longest axis.
 // The halves have sqrt(1 - offset^2) = 0.6 of that axis, so that the pair has the mean and the covariance of
-// the kernel. They keep its opacity: a larger one would make a kernel more opaque with each split, also one
-// that hides what the photos show. Smaller: halves separate slowly. Larger: gaps between them.
+// the kernel. Smaller: halves separate slowly. Larger: gaps between them. The halves keep the opacity of the
+// kernel: a larger one would make it more opaque with each split, also if it hides what the photos show.
 inline constexpr double kSplitOffset = 0.8;
 
 // `errors`: by kernel, the sum over pixels of its weight times the error of the pixel. Kernels are drawn with

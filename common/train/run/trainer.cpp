@@ -282,9 +282,7 @@ double Trainer::State::rate_factor() const {
 void Trainer::State::place_held_out(size_t index, const CapturedPicture& photo,
                                     const TrainedViewOptions& view_options) {
   CameraPose& pose = poses[index];
-  const Pose start = pose.world_from_camera;
-  pose = {};
-  pose.world_from_camera = start;
+  pose = {.world_from_camera = pose.world_from_camera};
   for (int k = 0; k < kPlacingSteps; ++k) {
     view.draw(kernels, camera_of(index), view_options);
     loss.evaluate(view.picture(), target, photo.counts, 0.0f, by_picture);
