@@ -79,13 +79,14 @@ struct KernelRasteriser::Buffers {
   std::vector<uint32_t> live;
   std::vector<std::vector<LabelWeight>> of_tile;
 
-  TileGrid begin(const DrawnObject& object, const Camera& camera);
+  TileGrid begin(const DrawnObject& object, const Camera& camera, const RasteriseOptions& options);
 };
 
-TileGrid KernelRasteriser::Buffers::begin(const DrawnObject& object, const Camera& camera) {
+TileGrid KernelRasteriser::Buffers::begin(const DrawnObject& object, const Camera& camera,
+                                          const RasteriseOptions& options) {
   LIVEGS_ASSERT(camera.width > 0 && camera.height > 0);
   const uint32_t slot = 0;
-  sorted.project(std::span(&object, 1), std::span(&slot, 1), camera, {});
+  sorted.project(std::span(&object, 1), std::span(&slot, 1), camera, options);
   sorted.sort();
   const TileGrid grid{camera.width, camera.height};
   tiles.resize(grid.size());
@@ -114,7 +115,7 @@ KernelRasteriser& KernelRasteriser::operator=(KernelRasteriser&&) noexcept = def
 
 void KernelRasteriser::draw(const DrawnObject& object, const Camera& camera, KernelView& view) {
   Buffers& b = *buffers_;
-  const TileGrid grid = b.begin(object, camera);
+  const TileGrid grid = b.begin(object, camera, {});
   b.sorted.for_each_batch(
       grid, [&] { return std::span<const uint32_t>(b.live); },
       [&](std::span<const ProjectedKernel> kernels, const TileBins& bins) {
@@ -179,7 +180,7 @@ void KernelRasteriser::weigh(const DrawnObject& object, const Camera& camera,
                              std::span<const uint16_t> labels, std::vector<LabelWeight>& weights) {
   LIVEGS_ASSERT(labels.size() == static_cast<size_t>(camera.width) * camera.height);
   Buffers& b = *buffers_;
-  const TileGrid grid = b.begin(object, camera);
+  const TileGrid grid = b.begin(object, camera, {.max_sh_degree = 0});  // weights need no colours
   b.of_tile.resize(std::max(b.of_tile.size(), grid.size()));
   for (size_t t = 0; t < grid.size(); ++t) b.of_tile[t].clear();
   b.sorted.for_each_batch(

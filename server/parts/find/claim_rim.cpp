@@ -54,8 +54,9 @@ void claim_rim(const GaussianAsset& asset, RoomParts& found) {
     parallel_for(open.size(), 256, [&](size_t begin, size_t end) {
       std::vector<KernelTree::Neighbour> nearest;
       for (size_t i = begin; i < end; ++i) {
+        tree.nearest(asset.positions[open[i]], 1, nearest, step_m);
+        if (nearest.empty()) continue;
         tree.nearest(asset.positions[open[i]], kRimNeighbours, nearest);
-        if (nearest[0].distance2 > step_m * step_m) continue;
         const uint16_t label = found.label[index[nearest[0].index]];
         Eigen::Vector3f mean = Eigen::Vector3f::Zero();
         float count = 0;

@@ -44,8 +44,8 @@ void spread_labels(const GaussianAsset& asset, RoomParts& found) {
     std::vector<KernelTree::Neighbour> nearest;
     for (size_t k = begin; k < end; ++k) {
       if (found.share[k] > 0) continue;
-      tree.nearest(asset.positions[k], 1, nearest);
-      if (nearest[0].distance2 < reach_m * reach_m) found.label[k] = found.label[index[nearest[0].index]];
+      tree.nearest(asset.positions[k], 1, nearest, reach_m);
+      if (!nearest.empty()) found.label[k] = found.label[index[nearest[0].index]];
     }
   });
 }

@@ -2,7 +2,6 @@
 #include "parts/graph/kernel_tree.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "core/parallel_for.h"
@@ -65,7 +64,8 @@ void KernelTree::build(uint32_t node, uint32_t begin, uint32_t end, std::span<co
   build(2 * node + 2, middle, end, points, depth - 1);
 }
 
-void KernelTree::nearest(const Eigen::Vector3f& point, size_t count, std::vector<Neighbour>& found) const {
+void KernelTree::nearest(const Eigen::Vector3f& point, size_t count, std::vector<Neighbour>& found,
+                         float radius) const {
   found.clear();
   if (order_.empty() || count == 0) return;
   struct Open {
@@ -75,9 +75,7 @@ void KernelTree::nearest(const Eigen::Vector3f& point, size_t count, std::vector
   Open stack[64];
   int top = 0;
   stack[top++] = {0, 0, static_cast<uint32_t>(order_.size()), 0.0f};
-  const auto worst = [&] {
-    return found.size() < count ? std::numeric_limits<float>::infinity() : found.front().distance2;
-  };
+  const auto worst = [&] { return found.size() < count ? radius * radius : found.front().distance2; };
   while (top > 0) {
     Open at = stack[--top];
     if (at.distance2 > worst()) continue;
@@ -96,6 +94,7 @@ void KernelTree::nearest(const Eigen::Vector3f& point, size_t count, std::vector
     for (uint32_t i = at.begin; i < at.end; ++i) {
       const Neighbour one{(points_[i] - point).squaredNorm(), order_[i]};
       if (found.size() < count) {
+        if (one.distance2 > radius * radius) continue;
         found.push_back(one);
         std::push_heap(found.begin(), found.end());
       } else if (one < found.front()) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,10 @@ class KernelTree {
       return distance2 < other.distance2 || (distance2 == other.distance2 && index < other.index);
     }
   };
-  // The `count` nearest points, nearest first; fewer if there are fewer. `found` is replaced.
-  void nearest(const Eigen::Vector3f& point, size_t count, std::vector<Neighbour>& found) const;
+  // The `count` nearest points within the radius, nearest first; fewer if there are fewer. `found` is
+  // replaced.
+  void nearest(const Eigen::Vector3f& point, size_t count, std::vector<Neighbour>& found,
+               float radius = std::numeric_limits<float>::infinity()) const;
   // All points within the radius, in an unspecified but fixed order. `found` is replaced.
   void within(const Eigen::Vector3f& point, float radius, std::vector<uint32_t>& found) const;
 

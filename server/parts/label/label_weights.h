@@ -24,15 +24,17 @@ class LabelWeights {
     float share = 0;   // of the label in the weight
   };
   Share largest(size_t kernel) const;
-  size_t size() const { return first_.size() - 1; }
+  size_t size() const { return first_.size(); }
 
  private:
+  static constexpr uint32_t kNone = ~0u;
   struct Entry {
     uint32_t label;
     float weight;
+    uint32_t next;  // entry of the same kernel with the next larger label; kNone at the last
   };
-  std::vector<uint32_t> first_;  // of each kernel in entries_
-  std::vector<Entry> entries_;   // ascending labels per kernel
+  std::vector<uint32_t> first_;  // entry of each kernel with its smallest label; kNone: not seen
+  std::vector<Entry> entries_;
 };
 
 // Weights of the label pictures of views; one picture per view, rows from the top.

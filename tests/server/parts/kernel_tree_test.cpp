@@ -24,12 +24,16 @@ TEST(KernelTree, NearestEqualsASortOfAllDistances) {
     const KernelTree tree(points);
     std::vector<KernelTree::Neighbour> found, all;
     for (const Eigen::Vector3f& at : cloud(20, 99)) {
-      tree.nearest(at, 7, found);
       all.clear();
       for (uint32_t i = 0; i < count; ++i) all.push_back({(points[i] - at).squaredNorm(), i});
       std::sort(all.begin(), all.end());
-      ASSERT_EQ(found.size(), std::min<size_t>(7, count));
-      for (size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].distance2, all[i].distance2) << count;
+      for (const float radius : {std::numeric_limits<float>::infinity(), 2.0f, 0.0f}) {
+        tree.nearest(at, 7, found, radius);
+        const auto near = std::count_if(all.begin(), all.end(),
+                                        [&](const auto& one) { return one.distance2 <= radius * radius; });
+        ASSERT_EQ(found.size(), std::min<size_t>(7, static_cast<size_t>(near)));
+        for (size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].distance2, all[i].distance2) << count;
+      }
     }
   }
 }
