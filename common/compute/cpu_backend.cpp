@@ -24,7 +24,8 @@ Result<BufferId> CpuBackend::create_buffer(size_t bytes) {
   if (auto checked = check_buffer_size(bytes); !checked) return checked.error();
   std::unique_ptr<std::byte[]> memory(new (std::nothrow) std::byte[bytes]);
   if (!memory)
-    return Error{ErrorCode::TooLarge, "buffer: out of memory for " + std::to_string(bytes) + " bytes"};
+    return Error{ErrorCode::TooLarge,
+                 "buffer: " + std::to_string(bytes) + " bytes exceed the free memory; load fewer kernels"};
   const BufferId id{++last_id_};
   buffers_[id] = {std::move(memory), bytes};
   return id;

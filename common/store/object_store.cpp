@@ -280,7 +280,8 @@ class HttpStore final : public ObjectStore {
     if (!reply) return reply.error();
     if (reply->status == 404 || reply->status == 410) return std::optional<std::uint64_t>();
     if (reply->status != 200) return error_of(name, *reply);
-    if (!reply->total_bytes) return invalid_data(shown(name) + ": the store does not give its size");
+    if (!reply->total_bytes)
+      return invalid_data(shown(name) + ": the reply has no size; use a store that sends Content-Range");
     return reply->total_bytes;
   }
 
@@ -455,8 +456,7 @@ Result<std::vector<std::byte>> ObjectStore::get(const std::string& name, std::ui
 
 Result<void> ObjectStore::put_file(const std::string& name, const fs::path& path, std::stop_token stop) {
   const MappedFile file(path);
-  if (!file.valid())
-    return not_found(path.string() + ": is not a file that can be read; check the path and its permissions");
+  if (!file.valid()) return not_found(path.string() + ": cannot be read; check the path and its permissions");
   return put(name, file.bytes(), stop);
 }
 

@@ -239,8 +239,8 @@ std::vector<std::byte> encode_rest_body(const RestBody& rest) {
 
 Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxRestBodyBytes) {
-    return Error{ErrorCode::TooLarge, "rest body: " + std::to_string(bytes.size()) + " bytes; the limit is " +
-                                          std::to_string(kMaxRestBodyBytes)};
+    return Error{ErrorCode::TooLarge, "rest body: " + std::to_string(bytes.size()) +
+                                          " bytes exceed the limit of " + std::to_string(kMaxRestBodyBytes)};
   }
   ByteReader in(bytes);
   const uint32_t magic = in.read<uint32_t>();

@@ -117,7 +117,7 @@ Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh
       piece.surface = surface_points(pieces[i]);
     }
   });
-  if (options.stop.stop_requested()) return Error{ErrorCode::Unavailable, "cutting was cancelled"};
+  if (options.stop.stop_requested()) return Error{ErrorCode::Unavailable, "fracture: cutting was cancelled"};
   double total = 0.0;
   for (const BreakablePiece& piece : prepared->pieces) total += piece.mass_share;
   for (BreakablePiece& piece : prepared->pieces) piece.mass_share /= total;

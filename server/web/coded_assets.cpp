@@ -18,8 +18,8 @@ Result<CodedAssets::Coded> CodedAssets::get(const std::string& hash, std::span<c
   auto stored = store_blocks(progressive);
   if (!stored) return stored.error();
   if (from > stored->size())
-    return invalid_argument("from: is past the end of the asset, " + std::to_string(stored->size()) +
-                            " bytes");
+    return invalid_argument("from: is past the end of the asset; use at most " +
+                            std::to_string(stored->size()));
   auto coded = encode_content(std::span(*stored).subspan(from), coding);
   if (!coded) return coded.error();
   Coded made{std::make_shared<const std::vector<std::byte>>(*std::move(coded)), stored->size()};

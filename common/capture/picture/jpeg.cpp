@@ -116,12 +116,13 @@ Result<JpegHeader> checked_header(std::span<const std::byte> bytes) {
   if (!read_jpeg_header(bytes, header, errors)) return invalid_data(std::string("JPEG: ") + errors.message);
   const size_t count = static_cast<size_t>(header.width) * header.height;
   if (count == 0 || count > kMaxPhotoPixels) {
-    return Error{ErrorCode::TooLarge, format_text("JPEG: %d x %d pixels exceed the limit of %zu",
-                                                  header.width, header.height, kMaxPhotoPixels)};
+    return Error{ErrorCode::TooLarge,
+                 format_text("JPEG: %d x %d pixels exceed the limit of %zu; scale the photo down",
+                             header.width, header.height, kMaxPhotoPixels)};
   }
   if (count / kMaxJpegPixelsPerByte > bytes.size())
     return invalid_data(
-        format_text("JPEG: %d x %d pixels cannot be encoded in %zu bytes; the file is damaged", header.width,
+        format_text("JPEG: %d x %d pixels do not fit in %zu bytes; copy the damaged file again", header.width,
                     header.height, bytes.size()));
   if (header.four_colours) return unsupported("JPEG: has four colours (CMYK); save it as RGB");
   return header;

@@ -160,7 +160,7 @@ class BinaryReader {
 };
 
 Error damaged(std::string_view name) {
-  return invalid_data(std::string(name) + ": is damaged: its counts do not agree with its size");
+  return invalid_data(std::string(name) + ": counts do not match the size; export the model again");
 }
 
 // Lines of a text file, without comments.

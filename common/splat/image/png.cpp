@@ -122,8 +122,8 @@ Result<Image> decode_png(std::span<const std::byte> bytes) {
       return Error{ErrorCode::TooLarge,
                    "PNG: " + size + " pixels exceed the limit of " + std::to_string(kMaxPngPixels)};
     }
-    return invalid_data("PNG: " + size + " pixels cannot be encoded in " + std::to_string(bytes.size()) +
-                        " bytes; the file is damaged");
+    return invalid_data("PNG: " + size + " pixels do not fit in " + std::to_string(bytes.size()) +
+                        " bytes; copy the damaged file again");
   }
   // Without the flag, libpng treats 16-bit files as linear light.
   header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;

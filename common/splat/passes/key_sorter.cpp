@@ -170,7 +170,7 @@ Result<void> KeySorter::run_pass(uint32_t count, uint32_t shift, uint32_t flags)
 
 Result<void> KeySorter::sort(uint32_t count, const Options& options) {
   if (count > capacity_) {
-    return invalid_argument("key sorter: " + std::to_string(count) + " keys; the capacity is " +
+    return invalid_argument("key sorter: " + std::to_string(count) + " keys exceed the capacity of " +
                             std::to_string(capacity_));
   }
   if (count == 0) {

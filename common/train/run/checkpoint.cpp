@@ -139,7 +139,7 @@ Result<void> Trainer::resume(std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof header) return invalid_data("checkpoint: is too short; remove it");
   std::memcpy(&header, bytes.data(), sizeof header);
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
-    return invalid_data("checkpoint: is not a checkpoint of a training; remove it");
+    return invalid_data("checkpoint: the file has another format; remove it");
   if (header.version != kVersion)
     return unsupported(
         format_text("checkpoint: has version %u, expected %u; remove it", header.version, kVersion));

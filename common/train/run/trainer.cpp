@@ -47,7 +47,7 @@ Result<void> check_options(const TrainOptions& options) {
     return invalid_argument("training: the longest edge must be from 32 to 16384 px");
   if (!(options.spread_weight >= 0) || !(options.spread_edge > 0) || !(options.spread_error > 0))
     return invalid_argument(
-        "training: the weight of the spread must be 0 or more, its edge and its error more than 0");
+        "training: the spread is out of range; use a weight of 0 or more, and an edge and an error above 0");
   return {};
 }
 

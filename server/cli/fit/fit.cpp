@@ -54,7 +54,7 @@ Result<std::pair<std::string, std::vector<FitQuantity>>> read_find(const std::st
       std::string all;
       for (const FitQuantityName& one : kFitQuantities)
         all += std::string(all.empty() ? "" : ", ") + one.name;
-      return invalid_argument("--find " + text + ": \"" + name + "\" is unknown; give some of " + all);
+      return invalid_argument("--find " + text + ": \"" + name + "\" is unknown; use one or more of " + all);
     }
     wanted.second.push_back(*quantity);
     begin = end;

@@ -75,7 +75,7 @@ Result<PointTracks> track_video(const FitRequest& request, const std::filesystem
   }
   if (by_frame.size() < 3)
     return invalid_data(
-        format_text("%s: has %zu frames; at least three are needed", video.c_str(), by_frame.size()));
+        format_text("%s: has %zu frames; give a video with at least three", video.c_str(), by_frame.size()));
   PointTracks tracks;
   for (size_t frame = 0; frame < by_frame.size(); ++frame)
     tracks.times_s.push_back(request.first_frame_s + static_cast<double>(frame) / frames->rate_hz());

@@ -67,7 +67,7 @@ TEST_F(FitCommand, MistakesGetOneLine) {
       {{"--video", path("absent.mp4")}, "absent.mp4: is not a file"},
       {{"--tracks", path("paths.csv")}, "tracks: 1 points are on block in the first frame, and 8 are needed"},
       {{"--tracks", path("paths.csv"), "--find", "block=colour"},
-       "\"colour\" is unknown; give some of youngs_modulus_pa"},
+       "\"colour\" is unknown; use one or more of youngs_modulus_pa"},
       {{"--tracks", path("paths.csv"), "--find", "=friction"}, "has no object"},
       {{"--tracks", path("paths.csv"), "--find", "block=friction"}, "1 points are on block"},
       {{"--tracks", path("paths.csv"), "--find", "ball"}, "ball: is not an object of the scene"},
