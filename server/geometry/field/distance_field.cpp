@@ -28,7 +28,8 @@ class NearestTriangles {
       : mesh_(mesh),
         grid_(grid),
         triangle_(grid.size(), -1),
-        distance2_(grid.size(), std::numeric_limits<float>::max()) {
+        distance2_(grid.size(), std::numeric_limits<float>::max()),
+        changed_(grid.size(), kBand) {
     for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t) fill_band(t);
     for (int direction = 0; direction < 8; ++direction) sweep(direction);
   }
@@ -44,6 +45,7 @@ class NearestTriangles {
     if (distance2 < distance2_[node]) {
       distance2_[node] = distance2;
       triangle_[node] = triangle;
+      changed_[node] = pass_;
     }
   }
 
@@ -65,6 +67,13 @@ class NearestTriangles {
 
   // Runs one pass from a corner of the grid to the opposite one; bits of `direction` reverse the axes.
   void sweep(int direction) {
+    pass_ = static_cast<int8_t>(direction);
+    int8_t before[8];  // last pass that took the triangles of the same neighbours; kBand - 1: none
+    for (int back = 1; back < 8; ++back) {
+      before[back] = static_cast<int8_t>(direction - 1);
+      while (before[back] >= 0 && ((before[back] ^ direction) & back)) --before[back];
+      if (before[back] < 0) before[back] = kBand - 1;
+    }
     const Eigen::Vector3i step(direction & 1 ? -1 : 1, direction & 2 ? -1 : 1, direction & 4 ? -1 : 1);
     const Eigen::Vector3i& counts = grid_.counts;
     const auto band2 = static_cast<float>(grid_.cell_m * grid_.cell_m);
@@ -78,7 +87,8 @@ class NearestTriangles {
           if (distance2_[node] <= band2) continue;  // already exact
           const Eigen::Vector3d point_m = grid_.point_m(i, j, k);
           int32_t tried = triangle_[node];
-          const auto take = [&](size_t neighbour) {
+          const auto take = [&](size_t neighbour, int8_t taken) {
+            if (changed_[neighbour] <= taken) return;  // this node has tried its triangle
             const int32_t triangle = triangle_[neighbour];
             if (triangle < 0 || triangle == tried || triangle == triangle_[node]) return;
             tried = triangle;
@@ -87,7 +97,7 @@ class NearestTriangles {
           for (int back = 1; back < 8; ++back) {
             const int x = back & 1, y = back >> 1 & 1, z = back >> 2;
             if (a < x || b < y || c < z) continue;
-            take(grid_.index(i - x * step.x(), j - y * step.y(), k - z * step.z()));
+            take(grid_.index(i - x * step.x(), j - y * step.y(), k - z * step.z()), before[back]);
           }
         }
       }
@@ -96,8 +106,11 @@ class NearestTriangles {
 
   const TriangleMesh& mesh_;
   const RegularGrid& grid_;
+  static constexpr int8_t kBand = -1;
   std::vector<int32_t> triangle_;  // -1: not set
   std::vector<float> distance2_;
+  std::vector<int8_t> changed_;  // pass that set the triangle; kBand: fill_band()
+  int8_t pass_ = kBand;
 };
 
 }  // namespace
