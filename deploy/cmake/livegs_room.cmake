@@ -103,20 +103,21 @@ function(livegs_add_test_program name)
   livegs_unite(${name})
 endfunction()
 
-# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SHARDS count] [SERIAL] [EACH] [WAITS])
+# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SHARDS count] [SERIAL] [EACH] [WAITS] [HOT])
 #   One GoogleTest program with one ctest entry per shard (SHARDS, 2 by default), so that data, tables and devices are loaded
 #   once. The times of its TESTs go to test_times/ in the build tree.
 #   EACH: one ctest entry per TEST, for tests of whole programs.
 #   SERIAL: no other test runs at the same time.
 #   WAITS: mostly waits for timers and sockets. Such a test takes one of the slots of `ctest --parallel`, another one two;
-#   deploy/test has two slots for each core, and one more.
+#   deploy/test has three slots for each core: a test of whole programs uses a core only in part.
+#   HOT: compiled with LIVEGS_HOT_TEST_FLAGS.
 #   LABELS nightly: neither built nor run by default. TIMEOUT: 900 s by default, 300 s with EACH.
 function(livegs_add_test name)
-  cmake_parse_arguments(TEST "SERIAL;EACH;WAITS" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "SERIAL;EACH;WAITS;HOT" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT TEST_LABELS)
     set(TEST_LABELS unit)
   endif()
-  if("nightly" IN_LIST TEST_LABELS)
+  if(TEST_HOT OR "nightly" IN_LIST TEST_LABELS)
     set(LIVEGS_HOT_TESTS ON)
   endif()
   livegs_add_test_program(${name} SOURCES ${TEST_SOURCES} LINK ${TEST_LINK})
