@@ -270,8 +270,7 @@ int main(int argc, char** argv) {
   livegs::PictureSize parsed;
   if (!size.empty()) {
     if (!parse_size(size, parsed))
-      return report(
-          livegs::invalid_argument("--size " + size + ": is not WxH; each must be from 1 to 16384"));
+      return report(livegs::invalid_argument("--size " + size + ": is not WxH; give 1 to 16384 for each"));
     options.size = parsed;
   }
   options.video = !no_video;
@@ -353,7 +352,7 @@ int main(int argc, char** argv) {
       std::fputs(livegs::summary_text(*done).c_str(), stdout);
       return 0;
     }
-    livegs::log_warn("%s; using a window instead", headset.error().message.c_str());
+    livegs::log_warn("headset: a window is opened instead (%s)", headset.error().message.c_str());
     display = "window";
   }
   if (display == "window") {

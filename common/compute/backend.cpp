@@ -11,7 +11,7 @@ Result<void> check_buffer_size(size_t bytes) {
                             " bytes; request a multiple of 4, at least 4");
   }
   if (bytes > kMaxBufferBytes) {
-    return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes; the limit is " +
+    return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes exceed the limit of " +
                                           std::to_string(kMaxBufferBytes)};
   }
   return {};
@@ -35,11 +35,11 @@ Result<void> check_dispatch(const Pass& pass, std::span<const BufferId> buffers,
     return invalid_argument(name + "group size, buffer count or constants exceed the limits of pass.h");
   }
   if (buffers.size() != pass.buffer_count) {
-    return invalid_argument(name + std::to_string(buffers.size()) + " buffers; expected " +
+    return invalid_argument(name + std::to_string(buffers.size()) + " buffers instead of " +
                             std::to_string(pass.buffer_count));
   }
   if (constants.size() != pass.constants_bytes) {
-    return invalid_argument(name + std::to_string(constants.size()) + " bytes of constants; expected " +
+    return invalid_argument(name + std::to_string(constants.size()) + " bytes of constants instead of " +
                             std::to_string(pass.constants_bytes));
   }
   for (size_t i = 0; i < buffers.size(); ++i) {
@@ -53,7 +53,7 @@ Result<void> check_dispatch(const Pass& pass, std::span<const BufferId> buffers,
 
 Error unknown_buffer(BufferId buffer) {
   return not_found("buffer " + std::to_string(static_cast<uint64_t>(buffer)) +
-                   " is unknown; it was destroyed or belongs to another backend");
+                   ": was destroyed or belongs to another backend");
 }
 
 }  // namespace livegs

@@ -122,8 +122,9 @@ Result<BufferId> VulkanBackend::create_buffer(size_t bytes) {
   if (auto checked = check_buffer_size(bytes); !checked) return checked.error();
   const size_t limit = max_buffer_bytes();
   if (bytes > limit) {
-    return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes; " + device_->name() +
-                                          " binds at most " + std::to_string(limit) + "; split the buffer"};
+    return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes exceed the limit of " +
+                                          device_->name() + ", " + std::to_string(limit) +
+                                          "; split the buffer"};
   }
   auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = bytes;

@@ -25,7 +25,7 @@ enum class ErrorCode {
 };
 
 // The message is one line: the object, the problem and, if there is one, the remedy: "cushion.ply: element
-// vertex has no property opacity; is this a Gaussian splat file?"
+// vertex has no property opacity; give a Gaussian splat file"
 struct Error {
   ErrorCode code = ErrorCode::Internal;
   std::string message;

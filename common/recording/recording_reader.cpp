@@ -75,9 +75,9 @@ Result<void> RecordingReader::read_start() {
       std::mismatch(magic.begin(), magic.end(), kMagic.begin(),
                     [](std::byte byte, uint8_t wanted) { return std::to_integer<uint8_t>(byte) == wanted; });
   if (differs.first == magic.begin() + 6) {
-    return unsupported(file_.path().string() + ": is a recording of version " +
-                       std::to_string(std::to_integer<int>(magic[6])) + "; this build reads version " +
-                       std::to_string(kMagic[6]));
+    return unsupported(file_.path().string() + ": has version " +
+                       std::to_string(std::to_integer<int>(magic[6])) + ", expected " +
+                       std::to_string(kMagic[6]) + "; use the version of LiveGS that recorded it");
   }
   if (differs.first != magic.end()) return bad("is not a recording; give a *.lvgrec file");
   auto chunk = read_chunk(magic.size());
@@ -206,9 +206,7 @@ Result<std::vector<uint64_t>> RecordingReader::read_objects(const Chunk& chunk) 
 }
 
 Result<std::vector<v1::ObjectDescription>> RecordingReader::seek(int64_t simulated_ns) {
-  if (keys_.empty())
-    return not_found(file_.path().string() +
-                     ": has no key tick; the recording is truncated at its beginning");
+  if (keys_.empty()) return not_found(file_.path().string() + ": has no key tick; copy the recording again");
   auto after =
       std::upper_bound(keys_.begin(), keys_.end(), simulated_ns,
                        [](int64_t moment_ns, const KeyTick& key) { return moment_ns < key.simulated_ns; });

@@ -110,7 +110,7 @@ class FolderStore final : public ObjectStore {
   }
   Error past_the_end(const std::string& name, std::uint64_t offset, std::uint64_t total) const {
     return invalid_data(shown(name) + ": has " + std::to_string(total) + " bytes, but byte " +
-                        std::to_string(offset) + " is wanted");
+                        std::to_string(offset) + " was requested");
   }
   const fs::path folder_;
 };
@@ -237,7 +237,7 @@ class HttpStore final : public ObjectStore {
           if (!reply.total_bytes || *reply.total_bytes == at) return {};
           if (*reply.total_bytes < at)
             return invalid_data(shown(name) + ": has " + std::to_string(*reply.total_bytes) +
-                                " bytes, but byte " + std::to_string(at) + " is wanted");
+                                " bytes, but byte " + std::to_string(at) + " was requested");
           if (at > begun_at || changed) continue;  // the server limits the length of a range
         }
       }
@@ -378,7 +378,7 @@ Result<std::shared_ptr<ObjectStore>> open_bucket(const std::string& place, const
   const std::string rest = place.substr(std::string_view("s3://").size());
   const std::string bucket = rest.substr(0, rest.find('/'));
   const std::string prefix = rest.substr(bucket.size());
-  if (bucket.empty()) return invalid_argument(place + ": names no bucket; give s3://BUCKET/PREFIX");
+  if (bucket.empty()) return invalid_argument(place + ": has no bucket; give s3://BUCKET/PREFIX");
   std::optional<AwsKeys> keys;
   const std::string region =
       environment("AWS_REGION", environment("AWS_DEFAULT_REGION", "us-east-1").c_str());
@@ -431,7 +431,7 @@ Result<std::shared_ptr<ObjectStore>> ObjectStore::open(const std::string& given,
   if (place.starts_with("s3://")) return open_bucket(place, times);
   const std::size_t host = place.find("://") + 3;
   if (host >= place.size() || place[host] == '/')
-    return invalid_argument(place + ": names no host; give http://HOST/PATH");
+    return invalid_argument(place + ": has no host; give http://HOST/PATH");
   return std::shared_ptr<ObjectStore>(
       std::make_shared<HttpStore>(place, shown_url(place), std::nullopt, times));
 }

@@ -44,7 +44,7 @@ Result<std::string> certificate_fingerprint(std::string_view pem) {
       PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr), &X509_free);
   unsigned char* der = nullptr;
   const int size = certificate ? i2d_X509(certificate.get(), &der) : -1;
-  if (size <= 0) return invalid_data("certificate: not a PEM certificate");
+  if (size <= 0) return invalid_data("certificate: is not a PEM certificate");
   const std::vector<unsigned char> bytes(der, der + size);
   OPENSSL_free(der);
   return content_hash(std::as_bytes(std::span(bytes)));

@@ -91,15 +91,14 @@ Result<void> ServerAccess::refused() const {
     return Error{
         ErrorCode::PermissionDenied,
         address_ +
-            ": the certificate does not match the pairing code; the code is mistyped or from another server, "
-            "or the connection is intercepted. No data was sent"};
+            ": the certificate does not match the pairing code, so no data was sent; check the code, "
+            "and the connection if the code is right"};
   }
-  return Error{
-      ErrorCode::PermissionDenied,
-      address_ +
-          ": the certificate differs from the paired one; the connection is intercepted, or the server was "
-          "set up again. No data was sent. If the server was set up again, use --pair CODE (known " +
-          pin_->fingerprint.substr(0, 16) + "…, shown " + pin_->shown.substr(0, 16) + "…)"};
+  return Error{ErrorCode::PermissionDenied,
+               address_ + ": the certificate differs from the paired one (known " +
+                   pin_->fingerprint.substr(0, 16) + "…, shown " + pin_->shown.substr(0, 16) +
+                   "…), so no data was sent; use --pair CODE if the server was set up again, else suspect an "
+                   "interception"};
 }
 
 Result<void> ServerAccess::remember() const {
@@ -127,7 +126,7 @@ Result<std::string> given_token(const AccessOptions& options) {
     token = text->substr(0, text->find_first_of("\r\n"));
     if (token.empty())
       return invalid_argument(options.token_file.string() +
-                              ": the first line is empty; it must contain the token");
+                              ": the first line is empty; write the token there");
   } else if (const char* set = std::getenv("LIVEGS_TOKEN"); set != nullptr) {
     token = set;
   }

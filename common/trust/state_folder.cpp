@@ -66,9 +66,10 @@ Result<std::string> read_secret_file(const std::filesystem::path& path) {
   const bool found = ::stat(path.c_str(), &about) == 0;
   const bool given_by_root = found && about.st_uid == 0 && ::geteuid() != 0;
   if (found && (about.st_mode & (given_by_root ? 037 : 077)) != 0) {
-    return Error{ErrorCode::PermissionDenied,
-                 path.string() +
-                     ": readable by other users; create it again, or run chmod 600 if it was not disclosed"};
+    return Error{
+        ErrorCode::PermissionDenied,
+        path.string() +
+            ": is readable by other users; create it again, or run chmod 600 if it was not disclosed"};
   }
   return read_text_file(path, kMaxSecretBytes);
 }

@@ -288,7 +288,7 @@ std::vector<std::byte> encode_frame(const DriverFrame& frame, DriverEncoding enc
 Result<DriverFrame> decode_frame(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxFrameBytes) {
     return Error{ErrorCode::TooLarge, "driver frame: " + std::to_string(bytes.size()) +
-                                          " bytes; the limit is " + std::to_string(kMaxFrameBytes)};
+                                          " bytes exceed the limit of " + std::to_string(kMaxFrameBytes)};
   }
   ByteReader in(bytes);
   const uint32_t magic = in.read<uint32_t>();

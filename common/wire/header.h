@@ -27,9 +27,8 @@ struct MessageHeader {
   Result<void> check(Magic read_magic, Version read_version, bool cut_short) const {
     if (cut_short || read_magic != magic) return invalid(std::string("must begin") + begins);
     if (read_version == version) return {};
-    return unsupported(std::string(name) + ": version " + std::to_string(read_version) +
-                       "; this build reads version " + std::to_string(version) +
-                       "; update the older of server and client");
+    return unsupported(std::string(name) + ": has version " + std::to_string(read_version) + ", expected " +
+                       std::to_string(version) + "; update the older of server and client");
   }
 };
 

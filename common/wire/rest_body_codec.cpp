@@ -118,10 +118,10 @@ Result<void> read_lattice(ByteReader& in, bool with_fills, RestBody& rest) {
   }
   if (coordinate_bytes != 1 && coordinate_bytes != 2 && coordinate_bytes != 4) {
     return invalid_data("rest body: " + std::to_string(coordinate_bytes) +
-                        " bytes per coordinate; expected 1, 2 or 4");
+                        " bytes per coordinate instead of 1, 2 or 4");
   }
   if (index_bytes != 2 && index_bytes != 4) {
-    return invalid_data("rest body: " + std::to_string(index_bytes) + " bytes per index; expected 2 or 4");
+    return invalid_data("rest body: " + std::to_string(index_bytes) + " bytes per index instead of 2 or 4");
   }
   const size_t bytes_a_cell = 8 * index_bytes + (with_fills ? 8 : 0);
   if (node_count * 3 * coordinate_bytes + cell_count * bytes_a_cell > in.remaining()) {
@@ -171,8 +171,8 @@ Result<void> read_rigid(ByteReader& in, bool with_runs, RestBody& rest) {
   const size_t run_count = in.read<uint32_t>();
   if (in.failed() || run_count > in.remaining() / kRunBytes) return cut_short("list of kernel runs");
   if (rest.revision == 0 || rest.revision > kMaxRevision) {
-    return invalid_data("rest body: revision " + std::to_string(rest.revision) + "; expected 1 to " +
-                        std::to_string(kMaxRevision) + " for a broken object");
+    return invalid_data("rest body: revision " + std::to_string(rest.revision) +
+                        " of a broken object is not from 1 to " + std::to_string(kMaxRevision));
   }
   for (size_t r = 0; r < run_count; ++r) {
     RestBody::KernelRun run;

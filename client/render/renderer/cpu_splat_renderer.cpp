@@ -57,8 +57,8 @@ std::unique_ptr<SplatRenderer> create_cpu_renderer() {
 }
 
 std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string& device, const Error& why) {
-  return std::make_unique<CpuSplatRenderer>(device + ": rendering failed: " + why.message +
-                                            "; rendering continues on the CPU");
+  return std::make_unique<CpuSplatRenderer>(device + ": rendering continues on the CPU (" + why.message +
+                                            ")");
 }
 
 }  // namespace livegs

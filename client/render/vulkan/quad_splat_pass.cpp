@@ -180,9 +180,9 @@ Result<void> QuadSplatPass::paint(const FrameSplats& frame, int width, int heigh
   LIVEGS_ASSERT(width > 0 && height > 0 && (eyes == 1 || eyes == 2));
   const auto most = static_cast<int>(handles_.properties.limits.maxImageDimension2D);
   if (width > most || height > most) {
-    return Error{ErrorCode::TooLarge, "picture of " + std::to_string(width) + "x" + std::to_string(height) +
-                                          ": the limit of " + handles_.name + " is " + std::to_string(most) +
-                                          " pixels per side"};
+    return Error{ErrorCode::TooLarge, "picture: " + std::to_string(width) + "x" + std::to_string(height) +
+                                          " px exceed the limit of " + handles_.name + ", " +
+                                          std::to_string(most) + " px per side; draw a smaller picture"};
   }
   if (eyes == 2 && !multiview_works_) {
     if (auto tried = try_multiview(); !tried) return tried;

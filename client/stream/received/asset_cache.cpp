@@ -163,14 +163,14 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
     auto obtained = attempt(sources.front());
     if (!obtained && spoilt && resumed) obtained = attempt(sources.front());
     if (obtained || sources.size() == 1 || stop.stop_requested()) return obtained;
-    log_warn("%s; fetching it from the server", obtained.error().message.c_str());
+    log_warn("%s: fetching it from the server (%s)", name.c_str(), obtained.error().message.c_str());
   }
 }
 
 Result<std::filesystem::path> AssetCache::default_folder() {
   auto folder = user_cache_folder();
   if (!folder)
-    return Error{folder.error().code, folder.error().message + "; choose a folder with --cache DIR"};
+    return Error{folder.error().code, folder.error().message + ", or choose a folder with --cache DIR"};
   return folder;
 }
 

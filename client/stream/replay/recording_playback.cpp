@@ -110,7 +110,8 @@ Result<void> RecordingPlayback::seek(double seconds) {
       break;
   }
   if (!last)
-    return invalid_data(recording_.path().string() + ": no frame follows a key tick; the file is damaged");
+    return invalid_data(recording_.path().string() +
+                        ": no frame follows a key tick; copy the recording again");
   if (auto taken = take_difference(described); !taken) return taken;
   waiting_.push_back(std::move(*last));
   return {};

@@ -192,7 +192,7 @@ void SessionClient::Connection::take_store(const v1::JoinReply& reply) {
   if (opened)
     store = *std::move(opened);
   else
-    log_warn("%s; fetching assets from the server", opened.error().message.c_str());
+    log_warn("assets: fetching them from the server (%s)", opened.error().message.c_str());
 }
 
 // Connects and joins, with the session's id if there is one. Unavailable without a message if no server
@@ -263,10 +263,10 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
     if (!reply.error().message.empty()) return reply.error();
     return Error{
         ErrorCode::Unavailable,
-        "no server answers at " + address + (options.access ? " over TLS (paired)" : "") +
-            format_text(" within %.1f s; start one with livegs-server SCENE%s", options.timeout_s,
-                        options.access ? ", or remove the pairing with --unpair if it no longer uses TLS"
-                                       : "; if it requires TLS, pair first with --pair CODE")};
+        address + ": no server answers" + (options.access ? " over TLS (paired)" : "") +
+            format_text(" within %.1f s; start one with livegs-server SCENE, or %s", options.timeout_s,
+                        options.access ? "remove the pairing with --unpair if it no longer uses TLS"
+                                       : "pair first with --pair CODE if it requires TLS")};
   }
   if (options.access) {
     if (auto remembered = options.access->remember(); !remembered) return remembered.error();

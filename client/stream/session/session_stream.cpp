@@ -72,7 +72,7 @@ SessionStream::Outcome SessionStream::run() {
                               ? "no message for 1 s"
                               : format_text("no message for %.1f s", seconds_from_ns(most_ns));
         if (streams_kernels_ && outcome_.frames == 0)
-          outcome_.reason += "; frames of kernels may be too large for the link";
+          outcome_.reason += ", frames of kernels may be too large for the link";
       }
       if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfCloseTimeout_ns)) context_.TryCancel();
     }

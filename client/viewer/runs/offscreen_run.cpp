@@ -72,7 +72,7 @@ Result<void> check_names(const v1::InputScript& script, const JoinedScene& scene
       found = found || object.name == name;
       known += (known.empty() ? "" : ", ") + object.name;
     }
-    if (!found) return not_found("the script's object \"" + name + "\": no such object; available: " + known);
+    if (!found) return not_found("script: object \"" + name + "\" is not in the scene; available: " + known);
   }
   return {};
 }
@@ -99,7 +99,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
       std::move(join), [&] { return choose_renderer(options.renderer); },
       [&](const JoinedScene& joined) { return check_names(prepared->script, joined); });
   for (int64_t logged_ns = now_ns(); !loading.wait(kWaitSlice_s);) {
-    if (interrupted) return Error{ErrorCode::Unavailable, "interrupted before the scene was loaded"};
+    if (interrupted) return Error{ErrorCode::Unavailable, "scene: loading was interrupted"};
     if (now_ns() - logged_ns < kLoadingInterval_ns) continue;
     logged_ns = now_ns();
     if (const auto now = loading.progress(); now.share > 0) log_info("loading: %.0f %%", 100 * now.share);

@@ -68,7 +68,7 @@ AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file) 
     }
     if (!bytes) return bytes.error();
     if (bytes->size() != total || offset > total)
-      return invalid_data(file.string() + ": an embedded asset has the wrong hash; the file is damaged");
+      return invalid_data(file.string() + ": an embedded asset has the wrong size; copy the recording again");
     return take(offset, total, std::span(*bytes).subspan(offset));
   };
 }

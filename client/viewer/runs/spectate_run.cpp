@@ -86,13 +86,11 @@ Error nothing_came(const std::string& published, double waited_s) {
                          ? parse_host_port(published.substr(kTcp.size()))
                          : Result<HostPort>(invalid_argument("does not start with tcp://"));
   const bool elsewhere = where && !where->loopback;
-  return {
-      ErrorCode::Unavailable,
-      format_text(
-          "--subscribe %s: nothing was published there within %.1f s; %s", published.c_str(), waited_s,
-          elsewhere
-              ? "a server publishes on its own machine only; from other machines use livegs-client HOST:PORT"
-              : "use the address printed by livegs-server --publish")};
+  return {ErrorCode::Unavailable,
+          format_text("--subscribe %s: nothing was published there within %.1f s; %s", published.c_str(),
+                      waited_s,
+                      elsewhere ? "use livegs-client HOST:PORT for a server on another machine"
+                                : "use the address printed by livegs-server --publish")};
 }
 
 }  // namespace

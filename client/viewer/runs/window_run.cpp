@@ -346,7 +346,8 @@ Result<void> WindowRun::keep_screenshot() {
   const std::filesystem::path file = options_.screenshots / format_text("window_%03d.png", screenshots_++);
   note_written(file);
   if (screenshots_ == kManyScreenshots)
-    log_warn("%s: %d screenshots so far; fewer with --every N", options_.screenshots.c_str(), screenshots_);
+    log_warn("%s: %d screenshots so far; save fewer with --every N", options_.screenshots.c_str(),
+             screenshots_);
   return write_png(file, screenshot_);
 }
 

@@ -34,7 +34,8 @@ Result<void> AssetBinder::describe(uint32_t description, uint32_t asset,
                                    std::span<const std::byte> rest_body) {
   auto rest = decode_rest_body(rest_body);
   if (!rest) return rest.error();
-  if (rest->kind == DriverKind::Particles) return unsupported("the browser client does not draw particles");
+  if (rest->kind == DriverKind::Particles)
+    return unsupported("particles cannot be drawn in a browser; use livegs-client");
   descriptions_[description] = {asset, *std::move(rest)};
   return {};
 }

@@ -30,7 +30,8 @@ Result<bool> LiveScene::describe(uint32_t description, uint32_t id, bool added, 
                                  std::span<const std::byte> rest_body) {
   auto rest = decode_rest_body(rest_body);
   if (!rest) return rest.error();
-  if (rest->kind == DriverKind::Particles) return unsupported("the browser client does not draw particles");
+  if (rest->kind == DriverKind::Particles)
+    return unsupported("particles cannot be drawn in a browser; use livegs-client");
   hidden_[id] = hidden;
   const auto same = [&](const auto& one) {
     return one.second.id == id && one.second.rest.revision == rest->revision;

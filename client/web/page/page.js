@@ -95,7 +95,7 @@ class Page {
       if (!reply.ok) return this.panels.askForCode(reply.status === 401 ? 'This code is wrong, used or too old. Ask for a new link.' : `The server answered ${reply.status}.`);
       save(kTokenKey, await reply.text());
     } catch {
-      return this.panels.askForCode('The server does not answer. Is it running?');
+      return this.panels.askForCode('The server does not answer. Check that it is running.');
     }
     document.getElementById('pair').hidden = true;
     this.start();

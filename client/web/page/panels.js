@@ -57,7 +57,7 @@ export class Panels {
   }
 
   askForCode(reason) {
-    at('pair_reason').textContent = reason || 'The server does not know this browser yet.';
+    at('pair_reason').textContent = reason || 'This browser is not paired with the server yet.';
     if (at('pair').hidden) {
       at('pair').hidden = false;
       at('code').value = '';

@@ -157,7 +157,7 @@ class Session {
   // The core trapped, or received data are unusable: begins again with a new core.
   crashed(error) {
     console.error(error);
-    this.tell('lost', `the client failed: ${error.message}; it begins again`);
+    this.tell('lost', `the client failed: ${error.message}; restarting`);
     this.socket?.close(1000);
     for (const id of this.known.keys()) this.post({ type: 'removed', id });
     this.core = null;

@@ -102,7 +102,7 @@ export class Headset {
     session.addEventListener('end', () => this.onEnd(session));
     this.watchdog = setInterval(() => {
       if (session.visibilityState === 'visible' && performance.now() - this.lastFrame_ms > kFrameTimeout_ms) {
-        this.host.notice('the headset stopped asking for pictures; the session was ended');
+        this.host.notice('the headset requests no pictures, so the session was ended; enter VR again');
         session.end().catch(() => this.onEnd(session));
       }
     }, 500);

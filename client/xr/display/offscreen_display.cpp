@@ -23,7 +23,7 @@ Result<std::unique_ptr<OffscreenDisplay>> OffscreenDisplay::open(const Offscreen
     if (video) {
       display->video_.emplace(std::move(*video));
     } else {
-      log_warn("%s; every picture is saved as PNG", video.error().message.c_str());
+      log_warn("%s (every picture is saved as PNG)", video.error().message.c_str());
       display->options_.png_every = 1;
     }
   }

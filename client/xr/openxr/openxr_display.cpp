@@ -202,7 +202,7 @@ void OpenXrDisplay::look_for_headset() {
   } else if (*system) {
     const auto begun = begin_session(**system);
     if (!begun) {
-      log_warn("%s; retrying", begun.error().message.c_str());
+      log_warn("%s (retrying)", begun.error().message.c_str());
       end_session();
     } else {
       log_info("openxr: headset reconnected");

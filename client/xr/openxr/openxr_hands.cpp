@@ -77,7 +77,7 @@ void OpenXrHands::suggest(const char* profile, const char* shoot_left, const cha
   info.suggestedBindings = bindings.data();
   const auto taken = instance_.check(xrSuggestInteractionProfileBindings(instance_.handle(), &info),
                                      "xrSuggestInteractionProfileBindings");
-  if (!taken) log_warn("%s: %s; this controller is not supported", profile, taken.error().message.c_str());
+  if (!taken) log_warn("%s: is not supported (%s)", profile, taken.error().message.c_str());
 }
 
 XrResult OpenXrHands::attach(XrSession session) {

@@ -110,10 +110,14 @@ bool is_png(std::span<const std::byte> bytes) {
   return bytes.size() >= 8 && bytes[0] == std::byte{0x89} && bytes[1] == std::byte{'P'};
 }
 
+Error invalid_jpeg(const JpegErrors& errors) {
+  return invalid_data(std::string("JPEG: ") + errors.message + "; save or copy the photo again");
+}
+
 Result<JpegHeader> checked_header(std::span<const std::byte> bytes) {
   JpegHeader header{};
   JpegErrors errors;
-  if (!read_jpeg_header(bytes, header, errors)) return invalid_data(std::string("JPEG: ") + errors.message);
+  if (!read_jpeg_header(bytes, header, errors)) return invalid_jpeg(errors);
   const size_t count = static_cast<size_t>(header.width) * header.height;
   if (count == 0 || count > kMaxPhotoPixels) {
     return Error{ErrorCode::TooLarge,
@@ -135,9 +139,8 @@ Result<Image> decode_jpeg(std::span<const std::byte> bytes, int* orientation) {
   if (!header) return header.error();
   std::vector<uint8_t> rgb(size_t{3} * header->width * header->height);
   JpegErrors errors;
-  if (!read_jpeg_pixels(bytes, rgb.data(), errors))
-    return invalid_data(std::string("JPEG: ") + errors.message);
-  if (errors.truncated) return invalid_data("JPEG: ends early; the file is damaged");
+  if (!read_jpeg_pixels(bytes, rgb.data(), errors)) return invalid_jpeg(errors);
+  if (errors.truncated) return invalid_data("JPEG: ends early; copy the damaged file again");
   if (orientation) *orientation = header->orientation;
   Image image;
   image.width = header->width;
@@ -191,7 +194,7 @@ Result<PictureHeader> read_picture_header(const std::filesystem::path& path) {
   };
   const uint32_t width = big_endian(kPngSizeOffset), height = big_endian(kPngSizeOffset + 4);
   if (width == 0 || height == 0 || width > (1u << 24) || height > (1u << 24))
-    return invalid_data(path.string() + ": PNG: has no valid size");
+    return invalid_data(path.string() + ": PNG: has no valid size; save or copy the photo again");
   return PictureHeader{static_cast<int>(width), static_cast<int>(height)};
 }
 

@@ -183,9 +183,9 @@ Result<CapturedPicture> PictureStore::read(size_t index) const {
     auto labels = read_picture(view.mask);
     if (!labels) return labels.error();
     if (labels->image.width != image->width || labels->image.height != image->height) {
-      return invalid_data(format_text("%s: is %d x %d pixels, but its photo is %d x %d", view.mask.c_str(),
-                                      labels->image.width, labels->image.height, image->width,
-                                      image->height));
+      return invalid_data(format_text(
+          "%s: is %d x %d pixels, but its photo is %d x %d; save both in the same size", view.mask.c_str(),
+          labels->image.width, labels->image.height, image->width, image->height));
     }
     mask = std::move(labels->image);
   }
@@ -234,7 +234,7 @@ Result<void> PictureStore::check_all() {
   }
   if (first == nullptr) return {};
   if (failed == 1) return *first;
-  return Error{first->code, format_text("%zu of %zu photos cannot be used; the first: %s", failed,
+  return Error{first->code, format_text("%zu of %zu photos cannot be used, the first is %s", failed,
                                         errors.size(), first->message.c_str())};
 }
 

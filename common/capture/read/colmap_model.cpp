@@ -345,7 +345,9 @@ Result<ColmapCameras> decode_colmap_cameras(std::span<const std::byte> bytes, st
     const auto width = reader.next<uint64_t>(), height = reader.next<uint64_t>();
     if (!reader.good()) break;
     if (model < 0 || model >= static_cast<int32_t>(std::size(kCameraModels)))
-      return unsupported(format_text("%s: camera model %d is unknown", std::string(name).c_str(), model));
+      return unsupported(
+          format_text("%s: camera model %d is not supported; run colmap image_undistorter first",
+                      std::string(name).c_str(), model));
     double parameters[12] = {};
     for (size_t k = 0; k < kCameraModels[model].parameters; ++k) parameters[k] = reader.next<double>();
     if (!reader.good()) break;

@@ -199,7 +199,7 @@ Result<Capture> read_capture(const fs::path& path) {
   }
   if (const fs::path model = colmap_folder(path); !model.empty())
     return checked(capture_of_colmap(model, path), path);
-  return not_found(path.string() + ": has no poses; expected transforms.json or a COLMAP model in sparse/0");
+  return not_found(path.string() + ": has no poses; add transforms.json or a COLMAP model in sparse/0");
 }
 
 }  // namespace livegs

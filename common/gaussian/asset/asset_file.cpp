@@ -108,7 +108,7 @@ Result<AssetFile> read_asset(const std::filesystem::path& path, const ReadOption
   if (has_ending(path.string(), ".json")) {
     return invalid_data(
         path.string() +
-        ": not an asset; only the meta.json or lod-meta.json of an unbundled .sog is accepted");
+        ": is not an asset; give a splat file, or the meta.json or lod-meta.json of an unbundled .sog");
   }
   const Result<std::vector<std::byte>> bytes = read_file(path);
   if (!bytes) return bytes.error();
@@ -145,12 +145,13 @@ AssetFrame named_frame(const std::filesystem::path& path) {
 Result<void> write_asset(const std::filesystem::path& path, const GaussianAsset& asset,
                          const AssetFrame& frame, const WriteOptions& options) {
   const auto ending = asset_ending(path.string());
-  if (asset.size() == 0) return invalid_argument(path.string() + ": cannot write an asset without kernels");
+  if (asset.size() == 0)
+    return invalid_argument(path.string() + ": an asset without kernels cannot be written");
   if (!ending || std::find(std::begin(kWrittenEndings), std::end(kWrittenEndings), *ending) ==
                      std::end(kWrittenEndings)) {
     std::string list;
     for (const char* one : kWrittenEndings) list += (list.empty() ? "" : ", ") + std::string(one);
-    return unsupported(path.string() + ": cannot write this format; use one of " + list);
+    return unsupported(path.string() + ": the format cannot be written; use one of " + list);
   }
   const auto write = [&](const Result<std::vector<std::byte>>& bytes) -> Result<void> {
     if (!bytes) return bytes.error();
@@ -175,7 +176,7 @@ std::vector<std::string> losses_of_format(std::string_view name, const GaussianA
   if (asset.sh_degree > 0)
     losses.push_back("the format has no view-dependent colour: spherical harmonics are left out");
   if (asset.antialiased) losses.push_back("the format has no mark for antialiased training");
-  if (!frame_lines(frame, false).empty()) losses.push_back("the format names no axes, unit or origin");
+  if (!frame_lines(frame, false).empty()) losses.push_back("the format has no axes, unit or origin");
   return losses;
 }
 

@@ -126,12 +126,12 @@ std::string read_frame_line(std::string_view line, AssetFrame& frame) {
   if (key == "vertical axis" || key == "up axis" || key == "up") {
     if (read_up(words, frame)) return "";
     return "the vertical axis '" + shown_text(line.substr(colon + 1), 40) +
-           "' that the file names is not understood; give --up";
+           "' of the file is not supported; give --up";
   }
   if (key == "unit" || key == "units" || key == "length unit") {
     if (read_unit(words, frame)) return "";
     return "the unit '" + shown_text(line.substr(colon + 1), 40) +
-           "' that the file names is not understood; give the scale";
+           "' of the file is not supported; give the scale";
   }
   if (key == "origin") read_origin(words, frame);
   return "";

@@ -91,7 +91,7 @@ Result<void> establish_invariants(AssetFile& file, std::string_view name) {
     if (kept != i) move_kernel(asset, i, kept);
     ++kept;
   }
-  if (count == 0) return invalid_data(std::string(name) + ": no kernels");
+  if (count == 0) return invalid_data(std::string(name) + ": has no kernels");
   if (kept == 0) {
     return invalid_data(std::string(name) + ": none of the " + kernels(count) +
                         " has finite values in range");

@@ -59,8 +59,8 @@ void subtract_origin(AssetFile& file, const std::vector<Eigen::Vector3d>* exact)
             ? format_text("the origin %s was subtracted in double precision; a float there has steps of %.3g "
                           "units",
                           at.c_str(), step)
-            : format_text("positions around %s are floats in steps of %.3g units, kernels are %.3g wide; the "
-                          "file has lost precision; export doubles, or subtract an origin before the export",
+            : format_text("positions around %s are floats in steps of %.3g units for kernels %.3g wide, too "
+                          "coarse; export doubles, or subtract an origin before the export",
                           at.c_str(), step, kernel));
   } else if (!exact) {
     return;

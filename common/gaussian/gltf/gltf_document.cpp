@@ -162,7 +162,7 @@ Result<GltfDocument> GltfDocument::open(Bytes bytes, const fs::path& folder, std
   if (!document.json_.is_object()) return document.problem("is not a valid JSON object");
   const auto asset = document.json_.find("asset");
   if (asset == document.json_.end() || !asset->is_object() || !asset->contains("version"))
-    return document.problem("is JSON, but no glTF: it has no asset.version");
+    return document.problem("is JSON but not glTF, as it has no asset.version");
   if (auto loaded = document.load_buffers(folder); !loaded) return loaded.error();
   return document;
 }
@@ -198,8 +198,8 @@ Result<void> GltfDocument::load_buffers(const fs::path& folder) {
       bytes = {};
     }
     if (*length > bytes.size())
-      return problem(what + " states " + std::to_string(*length) + " bytes and has " +
-                     std::to_string(bytes.size()));
+      return problem(what + " has " + std::to_string(bytes.size()) + " bytes instead of " +
+                     std::to_string(*length));
     buffers_.push_back(bytes.first(*length));
   }
   return {};

@@ -164,8 +164,8 @@ class GltfSplats {
     if (auto walked = walk(); !walked) return walked.error();
     if (all_.asset.size() == 0) {
       return document_.problem(
-          "has no kernels: no primitive of its scene has the extension KHR_gaussian_splatting; is it a "
-          "mesh?");
+          "no primitive of its scene has the extension KHR_gaussian_splatting; give a file of splats, not a "
+          "mesh");
     }
     AssetFile file;
     file.format = AssetFormat::Gltf;

@@ -104,7 +104,7 @@ Result<std::vector<std::byte>> join_glb(std::string_view json, std::span<const s
   const auto padded = [](size_t size) { return (size + 3) / 4 * 4; };
   const size_t total = 12 + 8 + padded(json.size()) + (binary.empty() ? 0 : 8 + padded(binary.size()));
   if (total > UINT32_MAX)
-    return Error{ErrorCode::TooLarge, "more than 4 GiB, the maximum of a .glb; write another format"};
+    return Error{ErrorCode::TooLarge, "glb: exceeds 4 GiB, the maximum of the format; write another format"};
   std::vector<std::byte> glb;
   glb.reserve(total);
   const auto word = [&](uint32_t value) {
@@ -126,7 +126,7 @@ Result<std::vector<std::byte>> join_glb(std::string_view json, std::span<const s
 }
 
 Result<std::vector<std::byte>> encode_glb(const GaussianAsset& asset, const AssetFrame& frame) {
-  if (asset.size() == 0) return invalid_argument("glb: cannot write an asset without kernels");
+  if (asset.size() == 0) return invalid_argument("glb: an asset without kernels cannot be written");
   GltfBuffer buffer;
   std::set<std::string> used;
   auto primitive = gltf_splat_primitive(asset, false, buffer, used);

@@ -104,7 +104,7 @@ class PlyColumns {
   void add(const std::string& property, float* first, size_t stride, double* exact = nullptr) {
     const std::optional<size_t> index = vertex_.find(property);
     if (!index) {
-      fail("has no property " + property + "; is this a Gaussian splat file?");
+      fail("has no property " + property + "; give a Gaussian splat file");
     } else if (vertex_.properties[*index].list_count_type) {
       fail("has a list as property " + property + " instead of one number; export it again");
     } else {
@@ -190,8 +190,7 @@ void complete_shapes(const Layout& layout, AssetFile& file) {
 Result<AssetFile> read_gaussian_ply(const PlyHeader& header, Bytes bytes, std::string_view name,
                                     const ReadOptions& options) {
   const PlyElement* vertex = header.find("vertex");
-  if (!vertex)
-    return invalid_data(std::string(name) + ": has no element vertex; is this a Gaussian splat file?");
+  if (!vertex) return invalid_data(std::string(name) + ": has no element vertex; give a Gaussian splat file");
   if (vertex->count == 0) return invalid_data(std::string(name) + ": element vertex has no rows");
   const Result<int> degree = sh_degree_of(*vertex, name);
   if (!degree) return degree.error();

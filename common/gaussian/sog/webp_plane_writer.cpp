@@ -20,7 +20,7 @@ Result<std::vector<std::byte>> encode_webp_plane(const WebpPlane& plane, std::st
   WebPPicture picture;
   if (!WebPConfigInit(&config) || !WebPPictureInit(&picture) ||
       !WebPConfigLosslessPreset(&config, kLosslessEffort))
-    return fail("the WebP library does not fit");
+    return fail("the WebP library has another version");
   config.exact = 1;  // keeps the colours of pixels with alpha 0
   picture.use_argb = 1;
   picture.width = static_cast<int>(plane.width);

@@ -21,7 +21,7 @@ const char* name_of(DriverKind kind) {
 Result<void> check_count(uint32_t object_id, const char* what, size_t have, size_t want) {
   if (have == want) return {};
   return invalid_data("drivers of object " + std::to_string(object_id) + ": " + std::to_string(have) + " " +
-                      what + "; its rest body has " + std::to_string(want) + "; bind the object again");
+                      what + " instead of " + std::to_string(want) + "; bind the object again");
 }
 
 template <class Values, class IsFinite>
@@ -39,13 +39,13 @@ Result<void> check_finite(uint32_t object_id, const char* what, const Values& va
 
 Result<void> check_drivers(const RestBody& rest, const ObjectDrivers& drivers) {
   if (rest.kind != drivers.kind) {
-    return invalid_data("drivers of object " + std::to_string(drivers.object_id) + " are " +
-                        name_of(drivers.kind) + "; its rest body is " + name_of(rest.kind) +
+    return invalid_data("drivers of object " + std::to_string(drivers.object_id) + ": are " +
+                        name_of(drivers.kind) + ", but its rest body is " + name_of(rest.kind) +
                         "; bind the object again");
   }
   if (rest.revision != drivers.revision) {
-    return invalid_data("drivers of object " + std::to_string(drivers.object_id) + " are of revision " +
-                        std::to_string(drivers.revision) + "; its rest body is of " +
+    return invalid_data("drivers of object " + std::to_string(drivers.object_id) + ": have revision " +
+                        std::to_string(drivers.revision) + ", but its rest body has " +
                         std::to_string(rest.revision) + "; bind the object again");
   }
   const bool rigid = rest.kind == DriverKind::Rigid, particles = rest.kind == DriverKind::Particles;

@@ -31,7 +31,7 @@ Result<double> number_of(double number, double low, double high, const std::stri
 
 Result<Eigen::Vector3d> vector_of(const Numbers& numbers, const std::string& field) {
   if (numbers.size() != 3) {
-    return invalid_data(field + ": " + std::to_string(numbers.size()) + " numbers; expected 3");
+    return invalid_data(field + ": has " + std::to_string(numbers.size()) + " numbers; give 3");
   }
   for (int i = 0; i < 3; ++i) {
     const auto number =

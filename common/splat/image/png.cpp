@@ -82,7 +82,8 @@ std::vector<uint8_t> rgba_bytes(const Image& image) {
 
 Result<std::vector<std::byte>> encode_png(const Image& image, bool with_alpha, int compression) {
   if (compression < 0 || compression > 9) {
-    return invalid_argument("PNG compression " + std::to_string(compression) + " is out of range; use 0..9");
+    return invalid_argument("PNG: compression " + std::to_string(compression) +
+                            " is out of range; use 0 to 9");
   }
   if (image.width <= 0 || image.height <= 0 ||
       image.pixels.size() != 4 * static_cast<size_t>(image.width) * image.height) {
@@ -119,8 +120,8 @@ Result<Image> decode_png(std::span<const std::byte> bytes) {
     const std::string size = std::to_string(header.width) + " x " + std::to_string(header.height);
     png_image_free(&header);
     if (count > kMaxPngPixels) {
-      return Error{ErrorCode::TooLarge,
-                   "PNG: " + size + " pixels exceed the limit of " + std::to_string(kMaxPngPixels)};
+      return Error{ErrorCode::TooLarge, "PNG: " + size + " pixels exceed the limit of " +
+                                            std::to_string(kMaxPngPixels) + "; scale the picture down"};
     }
     return invalid_data("PNG: " + size + " pixels do not fit in " + std::to_string(bytes.size()) +
                         " bytes; copy the damaged file again");

@@ -19,7 +19,8 @@ constexpr size_t kUploadBlock = 4096;  // kernels
 Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsset& asset,
                                             std::vector<uint32_t> kept) {
   if (asset.size() > UINT32_MAX) {
-    return Error{ErrorCode::TooLarge, std::to_string(asset.size()) + " kernels; a device draws at most 2^32"};
+    return Error{ErrorCode::TooLarge,
+                 "asset: " + std::to_string(asset.size()) + " kernels exceed the limit of a device, 2^32"};
   }
   DeviceKernels kernels(backend);
   LIVEGS_ASSERT(kept.empty() || kept.back() < asset.size());

@@ -124,7 +124,7 @@ const Pass& sort_scatter_pass() {
 
 Result<KeySorter> KeySorter::create(Backend& backend, uint32_t capacity) {
   if (capacity == 0 || capacity > kMaxKeys) {
-    return invalid_argument("key sorter: capacity of " + std::to_string(capacity) + " keys; expected 1 to " +
+    return invalid_argument("key sorter: capacity " + std::to_string(capacity) + " is not from 1 to " +
                             std::to_string(kMaxKeys));
   }
   KeySorter sorter(backend);

@@ -129,7 +129,7 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
   }
   if (total > max_kernels()) {
     return Error{ErrorCode::TooLarge, "frame: " + std::to_string(total) +
-                                          " kernels; the buffers of the device hold at most " +
+                                          " kernels exceed the limit of the device, " +
                                           std::to_string(max_kernels())};
   }
   kernel_count_ = static_cast<uint32_t>(total);

@@ -59,8 +59,8 @@ void ImageRasteriser::draw(std::span<const DrawnObject> objects, const Camera& c
     if (done) return;
     const bool lost =
         done.error().code != ErrorCode::TooLarge && done.error().code != ErrorCode::InvalidArgument;
-    log_warn("pictures: %s; the CPU draws %s", done.error().message.c_str(),
-             lost ? "from now on" : "this one");
+    log_warn("pictures: the CPU draws %s (%s)", lost ? "from now on" : "this one",
+             done.error().message.c_str());
     if (lost) device_.reset();
   }
   RasteriseOptions image_only = options;

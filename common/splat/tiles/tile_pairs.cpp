@@ -78,7 +78,7 @@ Result<void> TilePairs::bin(const Kernels& kernels, int width, int height, int e
   const uint32_t count = std::max(1u, kernels.count);
   if (TileGrid{width, height}.size() > kMaxGroups) {
     return invalid_argument("tiles: " + std::to_string(width) + "x" + std::to_string(height) +
-                            " px; at most 65535 tiles of 16x16 px; draw a smaller picture");
+                            " px exceed 65535 tiles of 16x16 px; draw a smaller picture");
   }
   const auto tiles = static_cast<uint32_t>(eyes * TileGrid{width, height}.size());
   if (auto made = make_room(count, tiles, eyes); !made) return made;
@@ -127,7 +127,7 @@ Result<bool> TilePairs::fits(uint32_t pairs) {
   if (pairs <= sorter_->capacity()) return true;
   if (pairs > options_.max_pairs) {
     return Error{ErrorCode::TooLarge,
-                 "tiles: " + std::to_string(pairs) + " pairs of tile and kernel; at most " +
+                 "tiles: " + std::to_string(pairs) + " pairs of tile and kernel exceed the limit of " +
                      std::to_string(options_.max_pairs) + "; draw fewer kernels or fewer pixels"};
   }
   if (auto made = make_sorter(static_cast<uint64_t>(kSparePairs * pairs)); !made) return made.error();

@@ -163,7 +163,7 @@ Result<Trainer> Trainer::start(const Capture& capture, const TrainOptions& optio
   for (size_t i = 0; i < capture.views.size(); ++i)
     (capture.views[i].held_out ? state->held_out_views : state->trained_views).push_back(i);
   if (state->trained_views.size() < 2) {
-    return invalid_data(format_text("%s: has %zu photos to train on; at least 2 are needed",
+    return invalid_data(format_text("%s: has %zu photos to train on; give two or more",
                                     capture.folder.c_str(), state->trained_views.size()));
   }
   if (auto checked = state->pictures.check_all(); !checked) return checked.error();

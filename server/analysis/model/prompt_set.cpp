@@ -84,7 +84,7 @@ Result<std::string> read_own(const std::filesystem::path& path, const BuiltIn& f
   if (!text) return text;
   if (file.slot && text->find(file.slot) == std::string::npos) {
     return invalid_data(path.string() + ": has no " + file.slot +
-                        ": write it where the text belongs, or delete the file to use the built-in one");
+                        "; write it where the text belongs, or delete the file to use the built-in one");
   }
   if (holds_lines(file.name)) return text;
   if (auto checked = check_slots(*text, known_slots(file.name)); !checked) {

@@ -113,10 +113,9 @@ class RecordedExchange final : public Conversation {
       return kept;
     }
     if (!endpoint_.live()) {
-      return not_found(endpoint_.folder().string() + ": holds no answer " + key_.substr(0, 12) + " about " +
+      return not_found(endpoint_.folder().string() + ": has no answer " + key_.substr(0, 12) + " about " +
                        quoted_text(question_.slots["name"]) +
-                       "; the prompts, the model or the views changed, or the question was never recorded: "
-                       "record it with an endpoint set");
+                       " for these prompts, views and model; record it with an endpoint set");
     }
     Result<RawAnswer> answer = ask_live(stop);
     if (!answer) return answer;

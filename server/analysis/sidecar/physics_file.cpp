@@ -44,7 +44,7 @@ fs::path default_path(const fs::path& sidecar) {
 Error newer(double version) {
   return {ErrorCode::Unsupported,
           format_text("written by a newer LiveGS (layout %.0f, this one reads up to %u); update LiveGS, or "
-                      "move the file and its .log away. Neither is modified",
+                      "move the file and its .log away",
                       version, kPhysicsLayout)};
 }
 
@@ -263,8 +263,8 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
       scale_parts(now_m / analysed_m, *physics.mutable_parts());
       char line[160];
       std::snprintf(line, sizeof line,
-                    "was analysed at a length of %.3g m and is now %.3g m long; its mass is estimated again, "
-                    "analyze it to update",
+                    "was analysed at a length of %.3g m and is now %.3g m long, so its mass is estimated "
+                    "again; analyze it to update",
                     analysed_m, now_m);
       note = line;
     }

@@ -354,12 +354,12 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     if (object.object_id == object_id) target.push_back(object);
   }
   if (target.empty()) {
-    return invalid_argument("object " + std::to_string(object_id) + " is not among the scene's objects");
+    return invalid_argument("object " + std::to_string(object_id) + ": is not among the scene's objects");
   }
   const Eigen::AlignedBox3d bounds = bounds_of(target);
   if (bounds.isEmpty()) {
     return invalid_argument("object " + std::to_string(object_id) +
-                            " has no kernel with an opacity of 0.1 or more");
+                            ": has no kernel with an opacity of 0.1 or more; raise the opacities");
   }
   const auto size = [&](int long_side) {
     const double wide = std::min(1.0, options.aspect), high = std::min(1.0, 1 / options.aspect);

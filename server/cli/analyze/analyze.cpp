@@ -349,7 +349,7 @@ int analyze(const AnalyzeCommand& options, Job& job) {
     // A model was configured, but no request was answered.
     if (summary.failed == summary.objects && summary.objects > 0) {
       const Error unanswered{ErrorCode::Unavailable,
-                             summary.failure + "; the printed values are offline estimates"};
+                             summary.failure + " (the printed values are offline estimates)"};
       return replays ? report(unanswered) : report_job(unanswered);
     }
     if (summary.failed > 0) job.leave_unmarked();  // a repetition asks for these again

@@ -126,7 +126,7 @@ Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
     }
     if (auto kept = keep(); !kept) {
       if (!keeps) return kept.error();
-      log_warn("%s; the training goes on without this state", kept.error().message.c_str());
+      log_warn("checkpoint: not saved, training continues: %s", kept.error().message.c_str());
     }
   }
   if (train_interrupted == SIGTERM) {

@@ -169,7 +169,7 @@ class Motion {
 
   Result<void> check(const RecordedObject& object, const Sample& sample) const {
     const auto found = object.descriptions.find(sample.revision);
-    if (found == object.descriptions.end()) return invalid_data("a frame refers to no description of it");
+    if (found == object.descriptions.end()) return invalid_data("a frame has no description of it");
     const RestBody& rest = found->second.rest;
     const bool fits = rest.kind == DriverKind::Rigid
                           ? !sample.poses.empty() && sample.poses.size() == rest.bodies.size()
@@ -208,7 +208,7 @@ class Motion {
       const PortableBody& body = scene_.bodies[track.body];
       const size_t nodes = body.elastic ? body.elastic->lattice.node_coordinates.size() : 0;
       if (nodes != rest.node_coordinates.size())
-        return invalid_argument("is another body than in the scene; export the scene that was recorded");
+        return invalid_argument("is not the body of the scene; export the scene that was recorded");
     } else {
       auto drawn = asset(description.asset_hash, recording);
       if (!drawn) return drawn.error();
@@ -301,7 +301,8 @@ Result<void> collect_recording(const std::filesystem::path& path, PortableScene&
   PortableScene taken = scene;
   Motion motion(taken);
   const auto fail = [&](const Error& error) {
-    return Error{error.code, path.string() + ": " + error.message};
+    const Error named{error.code, path.string() + ": " + error.message};
+    return error.code == ErrorCode::InvalidData ? with_remedy(named, "copy the recording again") : named;
   };
   for (auto item = recording->next();; item = recording->next()) {
     if (!item) return item.error();

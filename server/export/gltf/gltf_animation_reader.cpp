@@ -16,7 +16,7 @@ Result<std::optional<PortableAnimation>> read_animation(const Values& values, co
   for (size_t i = 0; i < times->count; ++i) {
     animation.times_s.push_back(times->at(i, 0));
     if (!std::isfinite(animation.times_s[i]) || (i > 0 && !(animation.times_s[i] > animation.times_s[i - 1])))
-      return values.document().problem("the times of the animation do not increase");
+      return values.problem("the times of the animation do not increase");
   }
   // The samplers of each node by path.
   std::map<std::pair<size_t, std::string>, const Json*> outputs;
@@ -29,8 +29,7 @@ Result<std::optional<PortableAnimation>> read_animation(const Values& values, co
       if (!sampler) return sampler.error();
       const Json& target = part_of(channels[i], "target");
       const Json& node = part_of(target, "node");
-      if (!values.document().entry("nodes", node))
-        return values.document().problem("a channel has no valid node");
+      if (!values.document().entry("nodes", node)) return values.problem("a channel has no valid node");
       outputs[{static_cast<size_t>(node.get<double>()), text_of(target, "path")}] =
           &part_of(**sampler, "output");
     }
@@ -59,7 +58,7 @@ Result<std::optional<PortableAnimation>> read_animation(const Values& values, co
       if (!rotations) return rotations.error();
       if (auto within = values.spend(7 * size); !within) return within.error();
       if (positions->count != size || rotations->count != size)
-        return values.bad(where, "has a track with another number of keys");
+        return values.bad(where, "has a track with the wrong number of keys");
       for (size_t i = 0; i < size; ++i) {
         const Eigen::Quaterniond q(rotations->at(i, 3), rotations->at(i, 0), rotations->at(i, 1),
                                    rotations->at(i, 2));
@@ -74,7 +73,7 @@ Result<std::optional<PortableAnimation>> read_animation(const Values& values, co
       if (!positions) return positions.error();
       const size_t nodes = bodies[body].elastic ? bodies[body].elastic->lattice.node_coordinates.size() : 0;
       if (nodes == 0 || positions->count != nodes * size)
-        return values.bad(where, "has a point cache with another number of positions");
+        return values.bad(where, "has a point cache with the wrong number of positions");
       if (auto within = values.spend(3 * positions->count); !within) return within.error();
       for (size_t key = 0; key < size; ++key) {
         auto& list = track.nodes_m.emplace_back();

@@ -62,7 +62,7 @@ Result<PortableElastic> read_elastic(const Values& values, const Json& json, con
       const auto fills = values.whole_numbers(lattice["cell_fills"]);
       if (!fills) return fills.error();
       if (fills->size() != 2 * rest.cells.size())
-        return values.bad(where, "has another number of cell_fills");
+        return values.bad(where, "has the wrong number of cell_fills");
       for (size_t i = 0; i < fills->size(); i += 2)
         rest.cell_fills.push_back((*fills)[i] | uint64_t{(*fills)[i + 1]} << 32);
     }

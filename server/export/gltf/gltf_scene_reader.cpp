@@ -101,7 +101,7 @@ class SceneDecoder {
         const auto node = document_.entry("nodes", *index);
         if (!node) return node.error();
         const auto at = static_cast<size_t>(index->get<double>());
-        if (seen[at]) return document_.problem(name_of_node(at) + " has two parents");
+        if (seen[at]) return values_.problem(name_of_node(at) + " has two parents");
         seen[at] = true;
         open.emplace_back(at, parent);
       }

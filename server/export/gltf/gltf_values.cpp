@@ -52,7 +52,7 @@ Result<std::vector<uint32_t>> Values::whole_numbers(const Json& accessor) const 
   for (size_t i = 0; i < values.size(); ++i) {
     const double value = list->at(i, 0);
     if (!(value >= 0 && value <= 4294967295.0 && value == std::floor(value)))
-      return document_.problem("an accessor of whole numbers has others");
+      return problem("an accessor of whole numbers has other values");
     values[i] = static_cast<uint32_t>(value);
   }
   return values;

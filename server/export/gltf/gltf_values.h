@@ -37,9 +37,10 @@ class Values {
   explicit Values(const GltfDocument& document) : document_(document) {}
 
   const GltfDocument& document() const { return document_; }
-  Error bad(const std::string& where, const std::string& what) const {
-    return document_.problem(where + " " + what);
+  Error problem(const std::string& what) const {
+    return with_remedy(document_.problem(what), "export the file again");
   }
+  Error bad(const std::string& where, const std::string& what) const { return problem(where + " " + what); }
 
   Result<double> number(const Json& object, const char* key, double fallback,
                         const std::string& where) const {
@@ -54,7 +55,7 @@ class Values {
   Result<void> spend(size_t count) const {
     spent_ += count;
     if (spent_ <= kMaxRepeats * document_.total_bytes()) return {};
-    return document_.problem("repeats its numbers more often than a file of its size may");
+    return problem("repeats its numbers more often than a file of its size may");
   }
 
   template <int N>

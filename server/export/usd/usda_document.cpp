@@ -22,7 +22,8 @@ class UsdaParser {
 
   Result<UsdaDocument> parse() {
     if (!text_.starts_with("#usda 1.0"))
-      return invalid_data(name_ + ": is not a .usda file: its first line is not #usda 1.0");
+      return invalid_data(
+          name_ + ": is not a .usda file: its first line is not #usda 1.0; export the stage as .usda");
     UsdaDocument document;
     if (take('(')) {
       if (!metadata(document.metadata)) return error();
@@ -37,7 +38,7 @@ class UsdaParser {
   Error error() const {
     const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n');
     const std::string message = name_ + ": line " + std::to_string(line) + ": " + problem_;
-    return unsupported_ ? unsupported(message) : invalid_data(message);
+    return unsupported_ ? unsupported(message) : with_remedy(invalid_data(message), "export the file again");
   }
   bool fail(std::string problem, bool is_unsupported = false) {
     if (problem_.empty()) {

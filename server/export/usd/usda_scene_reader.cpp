@@ -59,7 +59,7 @@ class StageReader {
 
  private:
   Error bad(const UsdaPrim& prim, const std::string& what) const {
-    return invalid_data(name_ + ": " + prim.path + ": " + what);
+    return with_remedy(invalid_data(name_ + ": " + prim.path + ": " + what), "export the file again");
   }
 
   Result<double> number(const UsdaPrim& prim, const char* property, double fallback) const {
@@ -110,7 +110,7 @@ class StageReader {
       if (op == "!resetXformStack!") continue;
       if (rank == 0 || rank <= last)
         return unsupported(name_ + ": " + prim.path +
-                           ": has a transform other than translate, orient, scale");
+                           ": has a transform other than translate, orient, scale; export it as these");
       last = rank;
       if (rank == 1) {
         const auto value = vector(prim, "xformOp:translate", Vector3d::Zero());
@@ -195,7 +195,9 @@ class StageReader {
     body.velocity_m_s = *velocity;
     body.angular_velocity_rad_s = *spin * (std::numbers::pi / 180);
     auto estimates = read_estimates(prim);
-    if (!estimates) return Error{estimates.error().code, name_ + ": " + estimates.error().message};
+    if (!estimates)
+      return with_remedy({estimates.error().code, name_ + ": " + estimates.error().message},
+                         "export the file again");
     body.estimates = std::move(*estimates);
     if (prim.value("livegs:elastic:youngs_modulus_pa")) {
       if (auto taken = take_elastic(prim, body); !taken) return taken;
@@ -368,7 +370,8 @@ class StageReader {
     if (!degree) return degree.error();
     if (!antialiased) return antialiased.error();
     if (!(*degree == 0 || *degree == 1 || *degree == 2 || *degree == 3))
-      return unsupported(name_ + ": " + prim.path + ": has harmonics of a degree above 3");
+      return unsupported(name_ + ": " + prim.path +
+                         ": has harmonics of a degree above 3; export at most degree 3");
     auto asset = std::make_shared<GaussianAsset>();
     asset->sh_degree = static_cast<int>(*degree);
     asset->antialiased = *antialiased != 0;
@@ -439,7 +442,7 @@ class StageReader {
       lattice.cells.back()[i % 8] = static_cast<uint32_t>(node);
     }
     if (const UsdaValue* fills = prim.value("livegs:cell_fills")) {
-      if (fills->texts.size() != lattice.cells.size()) return bad(prim, "has another number of cell_fills");
+      if (fills->texts.size() != lattice.cells.size()) return bad(prim, "has the wrong number of cell_fills");
       for (const std::string& fill : fills->texts) {
         uint64_t bits = 0;
         if (fill.empty() || fill.size() > 16 || fill.find_first_not_of("0123456789abcdef") != fill.npos)
@@ -499,7 +502,7 @@ class StageReader {
     const auto& moved = samples_of(prim, "xformOp:translate");
     const auto& turned = samples_of(prim, "xformOp:orient");
     if (moved.size() != turned.size() || track.first_key + moved.size() > times_s_->size())
-      return bad(prim, "has a track with another number of keys");
+      return bad(prim, "has a track with the wrong number of keys");
     for (size_t i = 0; i < moved.size(); ++i) {
       const std::vector<double>& position = moved[i].second.numbers;
       const auto orientation = quaternion_of(turned[i].second);
@@ -511,7 +514,7 @@ class StageReader {
           scene_.bodies[body].elastic ? scene_.bodies[body].elastic->lattice.node_coordinates.size() : 0;
       for (const auto& [time, sample] : samples_of(child, "points")) {
         if (sample.numbers.size() != 3 * nodes)
-          return bad(child, "has another number of points than the lattice");
+          return bad(child, "does not have the number of points of the lattice");
         auto& list = track.nodes_m.emplace_back();
         for (size_t i = 0; i < sample.numbers.size(); i += 3)
           list.push_back(
@@ -519,7 +522,7 @@ class StageReader {
       }
     }
     if (!track.nodes_m.empty() && track.nodes_m.size() != track.world_from_object.size())
-      return bad(prim, "has a point cache with another number of keys");
+      return bad(prim, "has a point cache with the wrong number of keys");
     scene_.animation->tracks.push_back(std::move(track));
     return {};
   }

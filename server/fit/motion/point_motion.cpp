@@ -100,7 +100,7 @@ Result<PointPaths> PointMotion::simulate_now(const v1::Scene& file, double end_s
       skin_kernels(own.asset, own.rest, own.bindings, *drivers, own.posed);
       for (size_t i = 0; i < own.indices.size(); ++i) {
         const Eigen::Vector3f& at = own.posed.positions_m[i];
-        if (!at.allFinite()) return Error{ErrorCode::Internal, "the simulation diverged"};
+        if (!at.allFinite()) return Error{ErrorCode::Internal, "simulation: diverged; raise substeps"};
         paths.positions_m[tick * paths.points + own.indices[i]] = at;
       }
     }

@@ -50,7 +50,8 @@ Result<std::vector<FitParameter>> fit_parameters(const SceneObject& object,
   for (size_t i = 0; i < quantities.size(); ++i)
     if (std::find(quantities.begin(), quantities.begin() + static_cast<std::ptrdiff_t>(i), quantities[i]) !=
         quantities.begin() + static_cast<std::ptrdiff_t>(i))
-      return invalid_argument(object.name + ": " + names_of(quantities[i]).name + " is named twice");
+      return invalid_argument(object.name + ": " + names_of(quantities[i]).name +
+                              " is named twice; name it once");
   bool mass = false;
   for (const FitQuantity quantity : quantities) {
     const bool of_lattice = quantity == FitQuantity::YoungsModulus || quantity == FitQuantity::Damping;

@@ -216,8 +216,9 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
   for (size_t k = 0; k < tracks.positions_px.size(); ++k) {
     const Eigen::Vector2d& px = tracks.positions_px[k];
     if (px.cwiseAbs().maxCoeff() > limit_px)
-      return invalid_data(format_text("tracks: point %zu is at (%.6g, %.6g) px, far outside of the picture",
-                                      k / tracks.frames(), px.x(), px.y()));
+      return invalid_data(format_text(
+          "tracks: point %zu is at (%.6g, %.6g) px, far outside of the picture; correct or remove it",
+          k / tracks.frames(), px.x(), px.y()));
   }
   auto first = first_frame(request, tracks.times_s[0], cache, progress);
   if (!first) return first.error();

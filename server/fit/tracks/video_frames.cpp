@@ -82,7 +82,7 @@ Result<VideoFrames> VideoFrames::open(const std::filesystem::path& path) {
   video.pipe_.reset(::fdopen(ends[0], "rb"));
   std::string header;
   if (!read_header_line(video.pipe_.get(), header) || !header.starts_with("YUV4MPEG2 "))
-    return invalid_data(path.string() + ": has no pictures that ffmpeg can read; is it a video?");
+    return invalid_data(path.string() + ": has no pictures that ffmpeg can read; give a video");
   long rate = 0, per = 0;
   for (size_t at = header.find(' '); at != std::string::npos; at = header.find(' ', at + 1)) {
     const char* word = header.c_str() + at + 1;
@@ -104,7 +104,8 @@ Result<bool> VideoFrames::next(GreyPicture& picture) {
   std::string header;
   if (!read_header_line(pipe_.get(), header)) {
     pipe_.reset();
-    if (exit_status(process_) != 0) return invalid_data(name_ + ": is damaged; ffmpeg stopped");
+    if (exit_status(process_) != 0)
+      return invalid_data(name_ + ": is damaged, and ffmpeg stopped; export or copy it again");
     return false;
   }
   picture.width = width_;
@@ -112,7 +113,7 @@ Result<bool> VideoFrames::next(GreyPicture& picture) {
   picture.pixels.resize(static_cast<size_t>(width_) * static_cast<size_t>(height_));
   if (!header.starts_with("FRAME") ||
       std::fread(picture.pixels.data(), 1, picture.pixels.size(), pipe_.get()) != picture.pixels.size())
-    return invalid_data(name_ + ": is damaged; its last frame is not complete");
+    return invalid_data(name_ + ": is damaged, and its last frame is incomplete; export or copy it again");
   return true;
 }
 

@@ -46,7 +46,8 @@ Result<TriangleMesh> read_obj(const std::filesystem::path& path) {
     std::string_view line = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
     const auto fail = [&](const std::string& what) {
-      return invalid_data(path.string() + ": line " + std::to_string(line_number) + ": " + what);
+      return invalid_data(path.string() + ": line " + std::to_string(line_number) + ": " + what +
+                          "; export the mesh again");
     };
     const std::string_view keyword = next_word(line);
     if (keyword == "v") {

@@ -99,7 +99,7 @@ void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
   const auto lost = std::ranges::find_if_not(island.bodies, has_finite_motion);
   if (warnings.fetch_add(1) < 10) {
     log_warn(
-        "object %u: motion diverged; its island is stopped at the last valid poses. Check for overlapping "
+        "object %u: motion diverged, so its island is stopped at the last valid poses; check for overlapping "
         "parts and large mass ratios, or increase substeps",
         (*lost)->object_id);
   }

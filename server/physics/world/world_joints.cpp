@@ -12,7 +12,7 @@ namespace {
 // Rigid object of a joint, or an error.
 Result<RigidObject*> rigid_part(WorldObject* object, uint32_t object_id) {
   const std::string name = object_name(object_id);
-  if (!object) return not_found("joint: unknown " + name);
+  if (!object) return not_found("joint: " + name + " is unknown; give the id of an object in the world");
   if (object->elastic())
     return invalid_argument("joint: " + name + " is elastic; joints hold rigid objects only");
   if (object->fixed()) return invalid_argument("joint: " + name + " is static; name the moving object first");
@@ -41,7 +41,7 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
   held.other_axis = body.world_from_body.orientation * held.axis;
   if (description.other_id) {
     if (*description.other_id == description.object_id)
-      return invalid_argument("joint: " + name + " cannot be joined to itself");
+      return invalid_argument("joint: " + name + " cannot be joined to itself; name another object");
     WorldObject* other = find(*description.other_id);
     if (!other || !other->fixed()) {
       auto other_part = rigid_part(other, *description.other_id);

@@ -19,7 +19,7 @@ Result<void> add_joints(const v1::Scene& file,
       const v1::Physics::Behavior behavior = object->physics.behavior();
       if (behavior == v1::Physics::ELASTIC || (part == parts.object && behavior == v1::Physics::STATIC)) {
         return invalid_argument(name + ": \"" + part + "\" is " + v1::Physics::Behavior_Name(behavior) +
-                                "; joints need rigid objects, set its physics.behavior to RIGID");
+                                ", but joints need rigid objects; set its physics.behavior to RIGID");
       }
       if (part == parts.object) {
         hinge.object_id = object->id;

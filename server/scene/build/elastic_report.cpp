@@ -92,28 +92,27 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
   if (accuracy.thin_part > kMaxThinPart) {
     warnings.push_back(format_text(
         "%.0f %% of the volume is sheets or cords thinner than half a cell of %.3g mm that are not aligned "
-        "with the cells; their bending stiffness is %.2g to %.2g of the correct value; lower spacing_m for "
-        "smaller cells",
+        "with the cells, so their bending stiffness is %.2g to %.2g of the correct value; lower spacing_m "
+        "for smaller cells",
         100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
   }
   if (accuracy.over_budget) {
     warnings.push_back(format_text(
-        "too thin and wide for the time budget: limited to %zu nodes in cells of %.3g mm, bending, folding "
-        "and contact are coarser than they should be; make it smaller, thicker or split it into several "
-        "objects",
+        "too thin and wide for the time budget: limited to %zu nodes in cells of %.3g mm, so bending, "
+        "folding and contact are coarse; make it smaller or thicker, or split it into several objects",
         accuracy.nodes, 1e3 * accuracy.cell_width_m));
   }
   if (accuracy.unbudgeted_cell_width_m > 0) {
     warnings.push_back(format_text(
-        "the elastic budget limits it to cells of %.3g mm and %d substeps; alone it would have cells of "
-        "%.3g mm and reach %.3g Pa; use fewer or smaller elastic objects, or raise elastic_budget_ms",
+        "the elastic budget limits it to cells of %.3g mm and %d substeps, while alone it would have cells "
+        "of %.3g mm and reach %.3g Pa; use fewer or smaller elastic objects, or raise elastic_budget_ms",
         1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.unbudgeted_cell_width_m,
         accuracy.unbudgeted_reached_pa));
   }
   if (accuracy.sag > kMaxSag) {
     warnings.push_back(format_text(
-        "too soft to carry its own weight: strain %.2g, inner points may sink through the support; a modulus "
-        "of %.2g Pa would strain it by a tenth",
+        "too soft to carry its own weight: strain %.2g, inner points may sink through the support; raise "
+        "youngs_modulus_pa to %.2g for a strain of 0.1",
         accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));
   }
   if (accuracy.recovery_count > 0) {

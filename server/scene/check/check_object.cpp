@@ -105,7 +105,7 @@ Result<void> check_resolution(const v1::Object& object, const std::string& field
 Result<void> check_regions(const v1::Object& object, const std::string& field) {
   if (object.regions_size() > kMaxRegions) {
     return missing(field + ".regions", "has " + std::to_string(object.regions_size()) +
-                                           " entries; the maximum is " + std::to_string(kMaxRegions));
+                                           " entries; give at most " + std::to_string(kMaxRegions));
   }
   std::set<std::string> names;
   for (int i = 0; i < object.regions_size(); ++i) {

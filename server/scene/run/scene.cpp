@@ -453,11 +453,11 @@ Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::Phys
 Result<void> check_force(const v1::Event::Force& force) {
   for (const auto& [field, numbers] :
        {std::pair("force.point_m", &force.point_m()), {"force.force_n", &force.force_n()}}) {
-    if (numbers->size() != 3) return invalid_argument(std::string(field) + ": give three numbers");
+    if (numbers->size() != 3) return invalid_argument(std::string(field) + ": must have three numbers");
     auto value = vector_value(*numbers, Eigen::Vector3d::Zero(), field);
     if (!value) return value.error();
     if (!(value->norm() <= kMaxForce_n)) {
-      return invalid_argument(std::string(field) + ": is too large; the maximum is 1e5 (N or m)");
+      return invalid_argument(std::string(field) + ": is too large; use at most 1e5 (N or m)");
     }
   }
   if (!(force.duration_s() > 0 && force.duration_s() <= kMaxForceDuration_s)) {

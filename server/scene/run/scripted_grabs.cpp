@@ -74,13 +74,13 @@ Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
       return invalid_data(where + "qw,qx,qy,qz is not a unit quaternion");
     pose.orientation.normalize();
     if (result.poses.size() == kMaxPathRows)
-      return Error{ErrorCode::TooLarge, name + ": too many rows; the maximum is 100000"};
+      return Error{ErrorCode::TooLarge, name + ": has too many rows; use at most 100000"};
     result.times_s.push_back(time_s);
     result.poses.push_back(pose);
     return {};
   };
   if (auto read = read_csv_lines(path, layout, take); !read) return read.error();
-  if (result.poses.empty()) return invalid_data(name + ": contains no rows");
+  if (result.poses.empty()) return invalid_data(name + ": contains no rows; give at least one");
   return result;
 }
 

@@ -65,8 +65,8 @@ grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthCo
   if (!authorization) return {grpc::StatusCode::UNAUTHENTICATED, authorization.error().message};
   if (!authorization->allows(needed)) {
     return {grpc::StatusCode::PERMISSION_DENIED, "token \"" + authorization->token_name + "\": has scope " +
-                                                     scope_name(authorization->scope) + "; this call needs " +
-                                                     scope_name(needed)};
+                                                     scope_name(authorization->scope) +
+                                                     "; use one with scope " + scope_name(needed)};
   }
   std::lock_guard lock(mutex_);
   // Entries of ended tokens are kept while they are few. Idle ones have a full bucket and lose nothing.

@@ -233,7 +233,7 @@ Result<void> AnalysisController::analyze(std::vector<std::string> objects, Progr
   std::lock_guard lock(mutex_);
   if (requests_.size() >= kMaxWaiting) {
     return Error{ErrorCode::TooLarge,
-                 std::to_string(kMaxWaiting) + " analyses are waiting, the maximum; try again later"};
+                 "analysis: " + std::to_string(kMaxWaiting) + " are waiting, the maximum; try again later"};
   }
   requests_.push_back({std::move(*targets), std::move(progress), std::move(ended), std::move(stop)});
   changed_.notify_one();

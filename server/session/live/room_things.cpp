@@ -51,7 +51,8 @@ Placed placed(const v1::Environment& environment, const AssetFrame& frame) {
 }
 
 Result<Vector3d> ray_value(const Numbers& numbers, const char* field) {
-  if (numbers.size() != 3) return invalid_argument(std::string("rays.") + field + ": give three numbers");
+  if (numbers.size() != 3)
+    return invalid_argument(std::string("rays.") + field + ": must have three numbers");
   const Vector3d value(numbers[0], numbers[1], numbers[2]);
   if (!value.allFinite() || value.cwiseAbs().maxCoeff() > 1e6)
     return invalid_argument(std::string("rays.") + field + ": must be finite and at most 1e6 m");
@@ -246,7 +247,7 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
   if (!room)
     return Error{ErrorCode::Unavailable, "room: the search for things is not finished; try again later"};
   if (request.rays_size() < 1 || request.rays_size() > kMaxRays)
-    return invalid_argument("rays: give 1 to 32");
+    return invalid_argument("rays: must be 1 to 32");
   const Shown& seen = shown(room, environment);
   const Placed at = placed(environment, frame_of(environment));
   const auto own_label = [&](uint32_t kernel) {

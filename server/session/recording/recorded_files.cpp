@@ -165,7 +165,7 @@ UnpackedFiles::~UnpackedFiles() {
 
 Result<fs::path> UnpackedFiles::place(const std::string& name) {
   const std::string file = last_part(name), folder = fs::path(name).parent_path().string();
-  if (file.empty()) return invalid_data("contains a file without a name");
+  if (file.empty()) return invalid_data("contains a file without a name; copy the recording again");
   auto known = folders_.find(folder);
   if (known == folders_.end()) known = folders_.emplace(folder, own_folder(folder).string()).first;
   std::error_code error;

@@ -318,7 +318,7 @@ void SessionRecorder::run() {
       auto written = session.write(*job);
       lock.lock();
       if (!written) {
-        fail(written.error().message + "; the session continues");
+        fail(written.error().message + " (the session continues)");
       } else {
         status_.set_ticks(status_.ticks() + 1);
         status_.set_last_tick(job->drivers.tick);
@@ -332,7 +332,7 @@ void SessionRecorder::run() {
       const auto finished = session.finish();
       lock.lock();
       if (!finished && status_.message().empty())
-        fail(finished.error().message + "; the recorded part can be read");
+        fail(finished.error().message + " (the recorded part can be read)");
       status_.set_bytes(session.bytes());
       status_.set_recording(false);
       if (!status_.message().empty())

@@ -114,7 +114,7 @@ class Verifier {
     const TickResult tick = run_->advance(actions);
     ++seen_.ticks;
     if (tick.drivers.tick != record.tick)
-      return invalid_data(recording_.path().string() + ": ticks are not increasing; the file is damaged");
+      return invalid_data(recording_.path().string() + ": ticks do not increase; copy the recording again");
     begun_ = begun_ || record.key;
     if (!begun_) return {};
     for (const ObjectHash& one : record.hashes) hashes_[one.object_id] = one.hash;

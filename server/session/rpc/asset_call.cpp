@@ -17,8 +17,8 @@ AssetCall* AssetCall::start(const AssetStore& assets, const std::string& hash, u
     call->Finish({grpc::StatusCode::NOT_FOUND,
                   "asset_hash: is not an asset of the scene; use a hash from the reply of Join"});
   } else if (offset > call->asset_->bytes.size()) {
-    call->Finish({grpc::StatusCode::OUT_OF_RANGE, "offset: is past the end of the asset, " +
-                                                      std::to_string(call->asset_->bytes.size()) + " bytes"});
+    call->Finish({grpc::StatusCode::OUT_OF_RANGE, "offset: is past the end of the asset; use at most " +
+                                                      std::to_string(call->asset_->bytes.size())});
   } else {
     call->write_next();
   }

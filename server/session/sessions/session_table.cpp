@@ -85,8 +85,8 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
           }
         }
         if (!parked_longest) {
-          return Error{ErrorCode::TooLarge, std::to_string(max_sessions_) +
-                                                " clients are connected, the maximum; try again later, or "
+          return Error{ErrorCode::TooLarge, "clients: " + std::to_string(max_sessions_) +
+                                                " are connected, the maximum; try again later, or "
                                                 "start the server with a larger --clients"};
         }
         remove(*parked_longest, lock);

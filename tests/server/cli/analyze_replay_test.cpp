@@ -172,7 +172,7 @@ TEST(AnalyzeReplay, ReplayGivesTheSameBytesOffline) {
   scratch.write("first/cup.physics.json", sidecar.dump());
   const Said edited = analyze(scratch / "first", {"--recorded", answers});
   ASSERT_EQ(edited.code, 0) << edited.err;
-  EXPECT_EQ(edited.err.find("holds no answer"), std::string::npos) << edited.err;
+  EXPECT_EQ(edited.err.find("has no answer"), std::string::npos) << edited.err;
 }
 
 // Two cups from the same file: each has its own mass, an undo of one keeps the other, and the replay gives

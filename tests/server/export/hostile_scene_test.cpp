@@ -130,7 +130,9 @@ TEST(HostileScene, DeepAndRepeatedDataIsBounded) {
   ASSERT_TRUE(glb);
   const auto read = decode_gltf_scene(*glb, {}, "repeated.glb");
   ASSERT_FALSE(read);
-  EXPECT_EQ(read.error().message, "repeated.glb: repeats its numbers more often than a file of its size may");
+  EXPECT_EQ(
+      read.error().message,
+      "repeated.glb: repeats its numbers more often than a file of its size may; export the file again");
   // A chain of nested lists where a message is expected.
   const std::string deep(100000, '['), close(100000, ']');
   const std::string text =
@@ -173,12 +175,13 @@ TEST(HostileScene, ErrorsNameTheEntry) {
     const auto read = decode_gltf_scene(*glb, {}, "bad.glb");
     return read ? std::string("none") : read.error().message;
   };
-  EXPECT_EQ(message("/nodes/0/rotation", Json({0, 0, 0, 0})), "bad.glb: nodes[0] has no valid rotation");
+  EXPECT_EQ(message("/nodes/0/rotation", Json({0, 0, 0, 0})),
+            "bad.glb: nodes[0] has no valid rotation; export the file again");
   EXPECT_EQ(message("/nodes/0/extensions/LIVEGS_physics/behavior", "LIQUID"),
-            "bad.glb: nodes[0] has an unknown LIVEGS_physics.behavior");
+            "bad.glb: nodes[0] has an unknown LIVEGS_physics.behavior; export the file again");
   EXPECT_EQ(message("/scenes/0/nodes/0", 4000), "bad.glb: refers to an entry of nodes that does not exist");
   EXPECT_EQ(message("/extensions/LIVEGS_physics/gravity_m_s2", Json({0, "down", 0})),
-            "bad.glb: LIVEGS_physics has no valid gravity_m_s2");
+            "bad.glb: LIVEGS_physics has no valid gravity_m_s2; export the file again");
 }
 
 }  // namespace

@@ -210,7 +210,7 @@ TEST(RecordedMotion, ErrorsNameTheRemedyAndKeepTheScene) {
   record(path, folder / "take.lvgrec", 5, true);
   const auto wrong = collect_recording(folder / "take.lvgrec", other);
   ASSERT_FALSE(wrong);
-  EXPECT_NE(wrong.error().message.find("is another body than in the scene"), std::string::npos);
+  EXPECT_NE(wrong.error().message.find("is not the body of the scene"), std::string::npos);
   EXPECT_FALSE(collect_recording(folder / "none.lvgrec", other));
 }
 

@@ -136,7 +136,8 @@ TEST(UsdaScene, ErrorsNameTheLineAndTheProblem) {
     return scene ? std::string("none") : scene.error().message;
   };
   const std::string head = "#usda 1.0\n(\n    upAxis = \"Y\"\n    metersPerUnit = 1\n)\n";
-  EXPECT_EQ(message("PXR-USDC"), "bad.usda: is not a .usda file: its first line is not #usda 1.0");
+  EXPECT_EQ(message("PXR-USDC"),
+            "bad.usda: is not a .usda file: its first line is not #usda 1.0; export the stage as .usda");
   EXPECT_EQ(message("#usda 1.0\n(\n    upAxis = \"Z\"\n)\n"),
             "bad.usda: upAxis is not \"Y\"; export the stage with y up");
   EXPECT_EQ(message("#usda 1.0\n(\n    upAxis = \"Y\"\n    metersPerUnit = 0.01\n)\n"),
@@ -144,13 +145,13 @@ TEST(UsdaScene, ErrorsNameTheLineAndTheProblem) {
   EXPECT_EQ(message(head + "def Xform \"A\" (\n    references = @b.usda@\n)\n{\n}\n"),
             "bad.usda: line 7: has references, which are not followed; flatten the stage first");
   EXPECT_EQ(message(head + "def Xform \"A\"\n{\n    float x = \n}\n"),
-            "bad.usda: line 9: a value is missing");
+            "bad.usda: line 9: a value is missing; export the file again");
   EXPECT_EQ(message(head + "def Xform \"A\" (prepend apiSchemas = [\"PhysicsRigidBodyAPI\"])\n{\n"
                            "    float physics:mass = -1\n}\n"),
-            "bad.usda: /A: has a negative mass or inertia");
+            "bad.usda: /A: has a negative mass or inertia; export the file again");
   EXPECT_EQ(message(head + "def Xform \"A\"\n{\n    double xformOp:rotateX = 3\n"
                            "    uniform token[] xformOpOrder = [\"xformOp:rotateX\"]\n}\n"),
-            "bad.usda: /A: has a transform other than translate, orient, scale");
+            "bad.usda: /A: has a transform other than translate, orient, scale; export it as these");
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST_F(FitCommand, MistakesGetOneLine) {
   };
   const std::pair<std::vector<std::string>, std::string> mistakes[] = {
       {{}, "livegs: fit: give --video or --tracks"},
-      {{"--video", path("no.mp4")}, "no.mp4: has no pictures that ffmpeg can read; is it a video?"},
+      {{"--video", path("no.mp4")}, "no.mp4: has no pictures that ffmpeg can read; give a video"},
       {{"--video", path("absent.mp4")}, "absent.mp4: is not a file"},
       {{"--tracks", path("paths.csv")}, "tracks: 1 points are on block in the first frame, and 8 are needed"},
       {{"--tracks", path("paths.csv"), "--find", "block=colour"},

@@ -180,7 +180,7 @@ TEST(FitScene, WhatCannotBeFittedIsNamed) {
   EXPECT_NE(error_of(large, tracks).find("give at most 40 million"), std::string::npos);
   HiddenMotion twice = motion;
   twice.request.objects = {{"bar", {FitQuantity::Damping, FitQuantity::Damping}}};
-  EXPECT_EQ(error_of(twice, tracks), "bar: damping is named twice");
+  EXPECT_EQ(error_of(twice, tracks), "bar: damping is named twice; name it once");
   twice.request.objects = {{"bar", {}}, {"bar", {FitQuantity::Damping}}};
   EXPECT_EQ(error_of(twice, tracks), "bar: is named twice; give all its quantities at once");
   HiddenMotion other = motion;

@@ -38,7 +38,7 @@ TEST_F(Programs, FullDeviceReducesKernelsOrUsesTheCpu) {
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   for (const auto& [megabytes, notice] : {std::pair("2.5", "% of the kernels; the rest is not drawn"),
-                                          std::pair("0.05", "; rendering continues on the CPU")}) {
+                                          std::pair("0.05", "rendering continues on the CPU")}) {
     std::vector<std::string> words =
         client_words(port, {"--seconds", "0.5", "--no-video", "--renderer", "vulkan"}, megabytes);
     words.insert(words.begin(), {"/usr/bin/env", std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes});
@@ -241,7 +241,7 @@ TEST_F(Programs, DeadlineIsCheckedBeforeLoading) {
 TEST_F(Programs, AbsentServerGivesOneLineAndCodeOne) {
   Program client(client_words("1", {"--connect-timeout", "0.3"}));
   EXPECT_EQ(client.wait(), 1);
-  expect_one_line(client, "no server answers at 127.0.0.1:1");
+  expect_one_line(client, "127.0.0.1:1: no server answers");
 }
 
 TEST_F(Programs, RefusesUnknownDisplay) {

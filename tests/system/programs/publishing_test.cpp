@@ -39,7 +39,7 @@ TEST_F(Programs, SpectatorWithoutPublisherTimesOut) {
   ASSERT_NE(port, "") << server.err();
   const std::pair<std::string, std::string> places[] = {
       {"tcp://127.0.0.1:1", "use the address printed by livegs-server --publish"},
-      {"tcp://192.0.2.1:9782", "a server publishes on its own machine only"}};
+      {"tcp://192.0.2.1:9782", "use livegs-client HOST:PORT for a server on another machine"}};
   for (const auto& [where, why] : places) {
     Program spectator(client_words(port, {"--subscribe", where, "--seconds", "60", "--connect-timeout", "0.8",
                                           "--renderer", "cpu", "--no-video", "--every", "0"}));

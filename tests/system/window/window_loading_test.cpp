@@ -176,7 +176,7 @@ TEST_F(WhileItLoads, OffscreenClientCanBeInterrupted) {
   ASSERT_TRUE(is_fetching()) << run->err();
   run->send(SIGINT);
   expect_end_while_fetching(*run, 1);
-  EXPECT_NE(run->err().find("interrupted before the scene was loaded"), std::string::npos) << run->err();
+  EXPECT_NE(run->err().find("scene: loading was interrupted"), std::string::npos) << run->err();
 }
 
 }  // namespace

@@ -242,7 +242,7 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
 TEST_F(WindowOnADisplay, ShowsThatTheDeviceIsFull) {
   size_ = "690x300";
   for (const auto& [megabytes, notice] : {std::pair("5", "% of the kernels; the rest is not drawn"),
-                                          std::pair("0.05", "; rendering continues on the CPU")}) {
+                                          std::pair("0.05", "rendering continues on the CPU")}) {
     const std::filesystem::path shots = folder_ / megabytes;
     std::vector<std::string> words =
         window_words(display_, port_, {"--renderer", "vulkan", "--output", shots.string(), "--every", "1"});

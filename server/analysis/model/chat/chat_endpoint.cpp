@@ -127,11 +127,12 @@ Result<void> ChatEndpoint::identify_server(std::stop_token stop) {
   if (model_.empty()) model_ = first_model.size() < 300 && !has_control(first_model) ? first_model : "";
   if (model_.empty()) {
     if (status == 401 || status == 403) {
-      return Error{ErrorCode::PermissionDenied, "the server refused the key; check OPENAI_API_KEY"};
+      return Error{ErrorCode::PermissionDenied, "OPENAI_API_KEY: refused by the server; check the key"};
     }
-    return Error{ErrorCode::Unavailable,
-                 settings_.base_url + (status == 0 ? " does not answer; is the server running?"
-                                                   : " lists no model; set LIVEGS_MODEL")};
+    return Error{
+        ErrorCode::Unavailable,
+        settings_.base_url + (status == 0 ? ": no reply; start the server, or correct OPENAI_BASE_URL"
+                                          : ": no model is listed; set LIVEGS_MODEL")};
   }
   if (!memory_.recall(memory_key(), quirks_) && dialect != Dialect::Unknown) quirks_ = profile_of(dialect);
   known_ = true;

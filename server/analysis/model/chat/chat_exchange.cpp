@@ -66,8 +66,8 @@ Result<RawAnswer> ChatConversation::converse(std::stop_token stop, bool with_too
   answer_.blind = !images_.empty() && !quirks_.images;
   if (answer_.blind) {
     warn(
-        "the model does not accept pictures; the question is sent without them, with measurements only. Set "
-        "LIVEGS_MODEL to a model that sees");
+        "model: does not accept pictures, so only measurements are sent; set LIVEGS_MODEL to one that "
+        "accepts pictures");
   }
   answer_.transcript = transcript_.lines();
   if (!found) return found.error();
@@ -157,8 +157,8 @@ void ChatConversation::note_truncation(const ChatReply& reply) {
   });
   if (context == std::end(kContexts)) return;
   const std::string warning =
-      "the server truncated the prompt to its context of " + std::to_string(*context) +
-      " tokens without an error; start it with a longer context (Ollama: OLLAMA_CONTEXT_LENGTH=16384)";
+      "prompt: truncated to the server's context of " + std::to_string(*context) +
+      " tokens; start the server with a longer one (Ollama: OLLAMA_CONTEXT_LENGTH=16384)";
   warn(warning);
   quirks_.examples = 0;  // the examples are dispensable, from the next object on
 }
@@ -230,15 +230,15 @@ Result<Json> ChatConversation::run_answer(std::stop_token stop) {
     if (said.kind != ServerAnswer::Kind::Answered) return said.error;
     const ChatReply& reply = said.reply;
     if (!reply.refusal.empty()) {
-      return unsupported("the model declined: " + transcript_.redact(brief(reply.refusal)) +
+      return unsupported("model: declined to answer: " + transcript_.redact(brief(reply.refusal)) +
                          "; set another LIVEGS_MODEL");
     }
     if (reply.finish_reason == "content_filter") {
-      return unsupported("the server's content filter stopped the answer; try other views");
+      return unsupported("answer: stopped by the server's content filter; try other views");
     }
     if (reply.finish_reason == "length") {
       if (lengthened) {
-        return Error{ErrorCode::TooLarge, "the answer did not end within " + std::to_string(max_tokens_) +
+        return Error{ErrorCode::TooLarge, "answer: did not end within " + std::to_string(max_tokens_) +
                                               " tokens; use a model with shorter answers"};
       }
       lengthened = true;
@@ -248,8 +248,8 @@ Result<Json> ChatConversation::run_answer(std::stop_token stop) {
     if (auto object = find_json_object(reply.content, endpoint_.prompts().answer_fields()))
       return std::move(*object);
     if (quirks_.form == AnswerForm::Text) {
-      return invalid_data("the model's answer contains no JSON object: " +
-                          transcript_.redact(brief(reply.content, 120)));
+      return invalid_data("answer: contains no JSON object: " +
+                          transcript_.redact(brief(reply.content, 120)) + "; set another LIVEGS_MODEL");
     }
     // The requested form was ignored: the server skips unknown parameters.
     quirks_.form = quirks_.form == AnswerForm::JsonSchema ? AnswerForm::JsonObject : AnswerForm::Text;

@@ -53,23 +53,25 @@ Error of_status(int status, const std::string& said, const EndpointSettings& set
   switch (status) {
     case 401:
     case 403:
-      return {ErrorCode::PermissionDenied, "the server refused the key" + colon + "; check OPENAI_API_KEY"};
+      return {ErrorCode::PermissionDenied,
+              "OPENAI_API_KEY: refused by the server" + colon + "; check the key"};
     case 404:
-      return not_found("no such address or model at " + settings.base_url + colon +
+      return not_found(settings.base_url + ": no such address or model" + colon +
                        "; check OPENAI_BASE_URL (it usually ends in /v1) and LIVEGS_MODEL");
     case 413:
       return {ErrorCode::TooLarge,
-              "the request is too large for the server" + colon + "; use smaller or fewer views"};
+              "request: too large for the server" + colon + "; use smaller or fewer views"};
     case 429:
-      return {ErrorCode::Unavailable, "the server limits the request rate" + colon + "; try again later"};
+      return {ErrorCode::Unavailable,
+              settings.base_url + ": limits the request rate" + colon + "; try again later"};
     default:
       if (status >= 300 && status < 400) {
         return {ErrorCode::Unavailable,
-                "the server answered with a redirect, which is not followed; set "
-                "OPENAI_BASE_URL to where it points"};
+                settings.base_url +
+                    ": answered with a redirect, which is not followed; set OPENAI_BASE_URL to its target"};
       }
       return {status >= 500 ? ErrorCode::Unavailable : ErrorCode::InvalidArgument,
-              "the server answered " + std::to_string(status) + colon};
+              settings.base_url + ": answered with status " + std::to_string(status) + colon};
   }
 }
 
@@ -77,7 +79,7 @@ Error of_transport(const HttpReply& http, const EndpointSettings& settings) {
   const std::string what = settings.base_url + ": " + http.message;
   switch (http.end) {
     case HttpReply::End::NotConnected:
-      return {ErrorCode::Unavailable, what + "; is the server running?"};
+      return {ErrorCode::Unavailable, what + "; start the server, or correct OPENAI_BASE_URL"};
     case HttpReply::End::TooLarge:
       return {ErrorCode::TooLarge, what};
     case HttpReply::End::Deadline:
@@ -194,16 +196,18 @@ ModelServer::Verdict ModelServer::judge(const HttpReply& http) const {
   said.message = settings_.api_key.redact(said.message);
   if (status == 200 && !decoded) {
     return verdict.fail(
-        invalid_data(settings_.base_url + " answered with " +
+        invalid_data(settings_.base_url + ": answered with " +
                      (http.content_type.empty() ? "something" : brief(http.content_type, 60)) + " that is " +
                      decoded.error().message + "; check OPENAI_BASE_URL"));
   }
   if (status == 200 && !decoded->error) {
     verdict.repeat = true;
-    if (!decoded->has_choice) return verdict.fail(invalid_data("the server sent an answer without choices"));
+    if (!decoded->has_choice)
+      return verdict.fail(invalid_data(settings_.base_url + ": sent an answer without choices"));
     const bool silent = decoded->content.empty() && decoded->refusal.empty() && decoded->tool_calls.empty();
     if (silent && decoded->finish_reason != "length" && decoded->finish_reason != "content_filter") {
-      return verdict.fail(invalid_data("the server sent an empty answer; set another LIVEGS_MODEL"));
+      return verdict.fail(
+          invalid_data(settings_.base_url + ": sent an empty answer; set another LIVEGS_MODEL"));
     }
     verdict.repeat = false;
     verdict.answer.kind = ServerAnswer::Kind::Answered;
@@ -213,15 +217,15 @@ ModelServer::Verdict ModelServer::judge(const HttpReply& http) const {
   if (status == 200) status = status_of(said);
   if (status == 429 && is_quota(said)) {
     verdict.server = Verdict::Server::Shut;
-    return verdict.fail({ErrorCode::Unavailable, "the account has no more credit: " + brief(said.message) +
+    return verdict.fail({ErrorCode::Unavailable, "account: has no more credit: " + brief(said.message) +
                                                      "; add credit, or use --offline"});
   }
   verdict.fail(of_status(status, brief(said.message, 300), settings_));
   if (status == 401 || status == 403) {
     verdict.server = Verdict::Server::Shut;
   } else if (is_context_overflow(said)) {
-    verdict.fail({ErrorCode::TooLarge, "the prompt is longer than the model's context: " +
-                                           brief(said.message) + "; start the server with a longer one"});
+    verdict.fail({ErrorCode::TooLarge, "prompt: longer than the model's context: " + brief(said.message) +
+                                           "; start the server with a longer one"});
   } else {
     verdict.repeat = passes_by_itself(status);
     verdict.refused = status == 400 || status == 500 || status == 501;
@@ -290,7 +294,7 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
       std::lock_guard lock(mutex_);
       if (!breaker_.try_pass(now_ns())) {
         char left[64];
-        std::snprintf(left, sizeof left, "; no further request for %.0f s", breaker_.seconds_left(now_ns()));
+        std::snprintf(left, sizeof left, " (no further request for %.0f s)", breaker_.seconds_left(now_ns()));
         ServerAnswer answer;
         answer.error = {ErrorCode::Unavailable, breaker_.reason() + left};
         return answer;
@@ -315,7 +319,7 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
                                unit_random(), verdict.retry_after_s);
     if (verdict.loading) delay_s = std::max(delay_s, 0.5 * settings_.backoff_s);
     if (now_ns() + static_cast<std::int64_t>(delay_s * 1e9) >= deadline_ns) {
-      answer.error.message += "; a retry would exceed the deadline";
+      answer.error.message += " (a retry would exceed the deadline)";
       return std::move(answer);
     }
     log_debug("model server: %s; retry in %.2f s", answer.error.message.c_str(), delay_s);

@@ -14,7 +14,7 @@ TEST(ChooseRenderer, CpuFallbackSetsNotice) {
   ASSERT_TRUE(chosen) << chosen.error().message;
   EXPECT_EQ((*chosen)->name(), "cpu");
   EXPECT_EQ((*chosen)->notice(),
-            "vulkan: Some Card: rendering failed: " + kNoMemory.message + "; rendering continues on the CPU");
+            "vulkan: Some Card: rendering continues on the CPU (" + kNoMemory.message + ")");
 }
 
 TEST(ChooseRenderer, ExplicitVulkanDoesNotFallBack) {

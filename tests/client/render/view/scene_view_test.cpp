@@ -141,10 +141,8 @@ TEST(SceneView, CpuReplacesLostDevice) {
     EXPECT_EQ(picture.at(0).pixels, first.at(0).pixels);
   }
   EXPECT_EQ(view.renderer_name(), "cpu");
-  EXPECT_EQ(
-      view.notice(),
-      "lost: rendering failed: vulkan: vkQueueSubmit2 failed with VkResult -4; rendering continues on the "
-      "CPU");
+  EXPECT_EQ(view.notice(),
+            "lost: rendering continues on the CPU (vulkan: vkQueueSubmit2 failed with VkResult -4)");
 }
 
 // For a headset: if a renderer cannot draw into device images, pictures come from the same renderer or the

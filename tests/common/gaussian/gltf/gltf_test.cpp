@@ -232,7 +232,7 @@ TEST(Gltf, RefusesWithTheReason) {
     EXPECT_NE(file.error().message.find(reason), std::string::npos) << file.error().message;
   };
   const auto primitive = [](GltfSample& s) -> Json& { return s.json["meshes"][0]["primitives"][0]; };
-  refused([&](GltfSample& s) { primitive(s).erase("extensions"); }, "is it a mesh?");
+  refused([&](GltfSample& s) { primitive(s).erase("extensions"); }, "not a mesh");
   refused([&](GltfSample& s) { primitive(s)["attributes"].erase("KHR_gaussian_splatting:SCALE"); }, "SCALE");
   refused([&](GltfSample& s) { primitive(s)["attributes"].erase("KHR_gaussian_splatting:OPACITY"); },
           "COLOR_0");
@@ -252,7 +252,7 @@ TEST(Gltf, RefusesWithTheReason) {
         s.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = Json::object();
       },
       "EXT_meshopt_compression");
-  refused([](GltfSample& s) { s.json["buffers"][0]["byteLength"] = 1u << 30; }, "states");
+  refused([](GltfSample& s) { s.json["buffers"][0]["byteLength"] = 1u << 30; }, "bytes instead of");
   refused([](GltfSample& s) { s.json["nodes"][0]["children"] = Json::array({0}); }, "two parents");
   refused([](GltfSample& s) { s.json["nodes"][0]["scale"] = "large"; }, "no valid matrix");
   refused([](GltfSample& s) { s.json["nodes"][0]["mesh"] = 5; }, "meshes");

@@ -31,10 +31,10 @@ TEST(CheckDrivers, ReportsEachMismatch) {
   ObjectDrivers drivers = rest_drivers(rest);
   drivers.object_id = 42;
   drivers.kind = DriverKind::Rigid;
-  EXPECT_NE(message_of(rest, drivers).find("object 42 are rigid"), std::string::npos);
+  EXPECT_NE(message_of(rest, drivers).find("object 42: are rigid"), std::string::npos);
   drivers.kind = DriverKind::Lattice;
   drivers.positions_m.pop_back();
-  EXPECT_NE(message_of(rest, drivers).find("26 positions; its rest body has 27"), std::string::npos);
+  EXPECT_NE(message_of(rest, drivers).find("26 positions instead of 27"), std::string::npos);
   drivers.positions_m.emplace_back(0.0f, NAN, 0.0f);
   EXPECT_NE(message_of(rest, drivers).find("position 26 is not finite"), std::string::npos);
   drivers.positions_m.back()[1] = 0.0f;

@@ -126,7 +126,7 @@ TEST_P(FrameTilesTest, RejectMorePairsThanTheDeviceHolds) {
   draw({&wide}, {&eye, 1}, {.max_pairs = 3000});
   ASSERT_TRUE(error_);
   EXPECT_EQ(error_->code, ErrorCode::TooLarge);
-  EXPECT_NE(error_->message.find("pairs of tile and kernel; at most 3000"), std::string::npos)
+  EXPECT_NE(error_->message.find("pairs of tile and kernel exceed the limit of 3000"), std::string::npos)
       << error_->message;
 }
 

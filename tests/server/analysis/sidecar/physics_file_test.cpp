@@ -167,7 +167,7 @@ TEST_F(PhysicsFileTest, FileOfANewerVersionIsNotModified) {
     const std::string expected =
         path.string() +
         ": written by a newer LiveGS (layout 7, this one reads up to 1); update LiveGS, "
-        "or move the file and its .log away. Neither is modified";
+        "or move the file and its .log away";
     const auto file = read_physics_file(path);
     ASSERT_FALSE(file);
     EXPECT_EQ(file.error().code, ErrorCode::Unsupported);

@@ -274,7 +274,7 @@ TEST(PromptFolder, UnknownSlotIsAnErrorWithARemedy) {
   EXPECT_EQ(refusal_of("user.md", "Name: {{ name }}{{name}}\n"),
             "line 1: {{ name }} is not a known slot; write {{name}} or remove it");
   EXPECT_EQ(refusal_of("user.md", ""),
-            "has no {{name}}: write it where the text belongs, or delete the file to use the built-in one");
+            "has no {{name}}; write it where the text belongs, or delete the file to use the built-in one");
   EXPECT_EQ(refusal_of("repair.md", "{{problem}} {{name}}\n"),
             "line 1: {{name}} is not a known slot; remove it or write one of {{problem}}");
   EXPECT_EQ(refusal_of("answer_turn.md", "About {{name}}.\n"),

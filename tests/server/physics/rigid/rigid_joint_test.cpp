@@ -344,10 +344,11 @@ TEST(RigidJoint, RejectsInvalidJoints) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.2, 0.2, 0.2}, 1.0)));
   ASSERT_TRUE(world.add_static(2, Pose{}));
-  EXPECT_EQ(world.add_ball_joint({7, {}, Vector3d::Zero()}).error().message, "joint: unknown object 7");
-  EXPECT_EQ(world.add_ball_joint({1, 7, Vector3d::Zero()}).error().message, "joint: unknown object 7");
+  const std::string unknown = "joint: object 7 is unknown; give the id of an object in the world";
+  EXPECT_EQ(world.add_ball_joint({7, {}, Vector3d::Zero()}).error().message, unknown);
+  EXPECT_EQ(world.add_ball_joint({1, 7, Vector3d::Zero()}).error().message, unknown);
   EXPECT_EQ(world.add_ball_joint({1, 1, Vector3d::Zero()}).error().message,
-            "joint: object 1 cannot be joined to itself");
+            "joint: object 1 cannot be joined to itself; name another object");
   EXPECT_EQ(world.add_ball_joint({2, 1, Vector3d::Zero()}).error().message,
             "joint: object 2 is static; name the moving object first");
   EXPECT_EQ(world.add_ball_joint({1, {}, Vector3d(NAN, 0, 0)}).error().message,

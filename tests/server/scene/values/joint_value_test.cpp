@@ -60,7 +60,7 @@ TEST(JointValue, GrabPathsAreChecked) {
   EXPECT_EQ(path_refusal("time_s,x,y,z\n0,0,1,0\n1,0,2,0\n"), "");
   EXPECT_EQ(path_refusal("x,y,z\n"),
             "path.csv: line 1 must be the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz");
-  EXPECT_EQ(path_refusal("time_s,x,y,z\n"), "path.csv: contains no rows");
+  EXPECT_EQ(path_refusal("time_s,x,y,z\n"), "path.csv: contains no rows; give at least one");
   EXPECT_EQ(path_refusal("time_s,x,y,z\n0,nan,1,0\n"), "path.csv: line 2, column 2: expected 4 numbers");
   EXPECT_EQ(path_refusal("time_s,x,y,z\n0,0,1\n"), "path.csv: line 2, column 3: expected 4 numbers");
   EXPECT_EQ(path_refusal("time_s,x,y,z\n1,0,1,0\n1,0,2,0\n"),

@@ -312,7 +312,7 @@ TEST(ServerSecurity, RefusesBadFilesByName) {
   ::chmod((state / "server.key").c_str(), 0644);
   auto opened = ServerSecurity::open(state);
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().message.find("server.key: readable by other users"), std::string::npos)
+  EXPECT_NE(opened.error().message.find("server.key: is readable by other users"), std::string::npos)
       << opened.error().message;
   std::filesystem::copy_file(other / "server.key", state / "server.key",
                              std::filesystem::copy_options::overwrite_existing);

@@ -414,7 +414,8 @@ TEST(SessionRecorder, FullDiskEndsOnlyTheRecording) {
   ASSERT_TRUE(ended);
   const std::string why = recorder.status().message();
   EXPECT_NE(why.find("recording: ended at tick"), std::string::npos) << why;
-  EXPECT_NE(why.find("a.lvgrec: cannot be written: File too large; the session continues"), std::string::npos)
+  EXPECT_NE(why.find("a.lvgrec: cannot be written: File too large (the session continues)"),
+            std::string::npos)
       << why;
   EXPECT_EQ(why.find('\n'), std::string::npos);
   const size_t before = log.ticks().size();
@@ -460,7 +461,7 @@ TEST(SessionRecorder, OutOfMemoryEndsOnlyTheRecording) {
   const v1::RecordingStatus status = recorder.status();
   ASSERT_FALSE(status.recording());
   EXPECT_EQ(status.message(), "recording: ended at tick " + std::to_string(broken_at - 1) + ": " +
-                                  std::bad_alloc().what() + "; the session continues");
+                                  std::bad_alloc().what() + " (the session continues)");
   auto recording = RecordingReader::open(folder / "a.lvgrec");
   ASSERT_TRUE(recording) << recording.error().message;
   EXPECT_FALSE(recording->ended_in_order());

@@ -86,7 +86,7 @@ TEST_F(GrpcServerTest, LimitOfSessionsIsConfigurable) {
   for (size_t i = 0; i < 66; ++i) ASSERT_TRUE(client.join().ok());
   const grpc::Status refused = client.join();
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(refused.error_message().rfind("66 clients", 0), 0u) << refused.error_message();
+  EXPECT_EQ(refused.error_message().rfind("clients: 66 are", 0), 0u) << refused.error_message();
 }
 
 TEST_F(GrpcServerTest, EventsArriveCompleteAndInOrder) {

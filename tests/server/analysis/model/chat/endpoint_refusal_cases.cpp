@@ -184,9 +184,9 @@ std::vector<EndpointCase> busy_cases() {
          streaming(settings);
          settings.stall_timeout_s = 1;
        }},
-      {"connection_refused", in_turn({says(sound_answer())}), "is the server running", 0,
+      {"connection_refused", in_turn({says(sound_answer())}), "start the server", 0,
        [](Settings& settings) { settings.base_url = "http://127.0.0.1:9/v1"; }},
-      {"no_such_host", in_turn({says(sound_answer())}), "is the server running", 0,
+      {"no_such_host", in_turn({says(sound_answer())}), "start the server", 0,
        [](Settings& settings) {
          settings.base_url = "http://no-such-host.invalid/v1";
          settings.max_retries = 0;

@@ -203,7 +203,7 @@ TEST(ModelEndpoint, HangOnReusedConnectionIsATimeout) {
   EXPECT_EQ(server.connections(), before);
   EXPECT_NE(hung.error().message.find("no complete reply in time"), std::string::npos)
       << hung.error().message;
-  EXPECT_EQ(hung.error().message.find("is the server running?"), std::string::npos) << hung.error().message;
+  EXPECT_EQ(hung.error().message.find("start the server"), std::string::npos) << hung.error().message;
 }
 
 TEST(ModelEndpoint, ModelIsKnownBeforeTheFirstQuestion) {
