@@ -109,7 +109,7 @@ endfunction()
 #   EACH: one ctest entry per TEST, for tests of whole programs.
 #   SERIAL: no other test runs at the same time.
 #   WAITS: mostly waits for timers and sockets. Such a test takes one of the slots of `ctest --parallel`, another one two;
-#   deploy/test has three slots for each core: a test of whole programs uses a core only in part.
+#   deploy/test has two slots for each core, and one more.
 #   HOT: compiled with LIVEGS_HOT_TEST_FLAGS.
 #   LABELS nightly: neither built nor run by default. TIMEOUT: 900 s by default, 300 s with EACH.
 function(livegs_add_test name)
