@@ -262,10 +262,10 @@ void GrpcServer::shut_down(const std::string& reason, const Successor& successor
   parts_->shut_down = true;
   parts_->server->GetHealthCheckService()->SetServingStatus(false);
   parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
-  parts_->door->close();
+  const auto end = std::chrono::steady_clock::now() + kShutdownTimeout;
   SessionTable::NextServerFor next;
   if (!successor.address.empty()) {
-    next = [&](const Authorization& authorization) {
+    next = [this, successor](const Authorization& authorization) {
       v1::NextServer server;
       server.set_address(successor.address);
       if (parts_->security && !successor.name.empty()) {
@@ -276,7 +276,10 @@ void GrpcServer::shut_down(const std::string& reason, const Successor& successor
     };
   }
   parts_->table.close(reason, next);
-  parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownTimeout);
+  // Clients that are about to connect again learn of the next server too.
+  if (next) parts_->table.wait_until_empty(end);
+  parts_->door->close();
+  parts_->server->Shutdown(std::chrono::system_clock::now() + (end - std::chrono::steady_clock::now()));
   parts_->server->Wait();
   parts_->web->close();
   std::lock_guard lock(parts_->proposals->mutex);

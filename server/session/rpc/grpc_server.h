@@ -80,8 +80,9 @@ class GrpcServer {
   void encode_ahead(const Scene& scene);
 
   // Sends the reason and the successor to every client, waits up to three seconds for their streams to end,
-  // then aborts them. Clients with a token of the fleet get one for the successor if its name is known. May
-  // be called more than once.
+  // then aborts them. With a successor, a client that has lost its connection has this time to connect again.
+  // Clients with a token of the fleet get one for the successor if its name is known. May be called more than
+  // once.
   void shut_down(const std::string& reason, const Successor& successor = {});
 
   SessionTable::Totals sessions() const;

@@ -122,7 +122,7 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
     return {grpc::StatusCode::INVALID_ARGUMENT,
             "position_bits: " + std::to_string(position_bits) + " is not 16, 18 or 20; use 0 for 16"};
   }
-  const auto scene = table_.described();
+  const auto scene = table_.described(request.resumed_session_id());
   if (!scene) return to_status(scene.error());
   if (auto checked = check_encoding(request.encoding(), *scene); !checked) return to_status(checked.error());
   auto authorization = authorization_of(context, tokens_);

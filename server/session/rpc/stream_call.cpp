@@ -142,12 +142,15 @@ std::optional<grpc::Status> StreamCall::take_message() {
     }
     stream = attached->stream;
     log_info("session %.8s: streaming to %s", session->id.c_str(), context_.peer().c_str());
-    std::lock_guard lock(mutex_);
-    session_ = session;
-    stream_ = stream;
-    position_bits_ = attached->terms.position_bits;
-    encoding_ = attached->terms.encoding;
-    rest_ticks_ = std::max<uint64_t>(1, static_cast<uint64_t>(kRestInterval_ns / attached->terms.tick_ns));
+    {
+      std::lock_guard lock(mutex_);
+      session_ = session;
+      stream_ = stream;
+      position_bits_ = attached->terms.position_bits;
+      encoding_ = attached->terms.encoding;
+      rest_ticks_ = std::max<uint64_t>(1, static_cast<uint64_t>(kRestInterval_ns / attached->terms.tick_ns));
+    }
+    table_.stream_attached(*session, *this);
   }
   auto samples = check_inputs(message);
   if (!samples) return to_status(samples.error());
@@ -299,7 +302,8 @@ void StreamCall::OnDone() {
     stream = stream_;
     // A refused message ends the session. A vanished client keeps its session: it did not receive the status.
     const bool refused = finish_status_ && finish_status_->error_code() == grpc::StatusCode::INVALID_ARGUMENT;
-    in_order = refused || (finish_status_ && finish_status_->ok() && !context_.IsCancelled());
+    const bool complete = finish_status_ && (finish_status_->ok() || finish_when_flushed_);
+    in_order = refused || (complete && !context_.IsCancelled());
   }
   if (session) {
     table_.stream_ended(*session, stream, in_order);

@@ -51,17 +51,40 @@ void SessionTable::close(const std::string& reason, const NextServerFor& next) {
     std::lock_guard lock(mutex_);
     open_ = false;
     closed_reason_ = reason;
+    next_ = next;
   }
-  v1::SessionEvent draining;
-  draining.set_draining(reason);
   for (const auto& session : sessions_now()) {
-    if (next) *draining.mutable_next_server() = next(session->who.authorization);
-    session->add_event(draining);
     if (const auto writer = session->writer())
-      writer->close(reason);
-    else
+      close_stream(*session, *writer);
+    else if (!next)
       remove(*session);
   }
+}
+
+void SessionTable::close_stream(ClientSession& session, SessionWriter& writer) {
+  v1::SessionEvent draining;
+  NextServerFor next;
+  {
+    std::lock_guard lock(mutex_);
+    draining.set_draining(closed_reason_);
+    next = next_;
+  }
+  if (next) *draining.mutable_next_server() = next(session.who.authorization);
+  session.add_event(draining);
+  writer.close(draining.draining());
+}
+
+void SessionTable::stream_attached(ClientSession& session, SessionWriter& writer) {
+  {
+    std::lock_guard lock(mutex_);
+    if (open_) return;
+  }
+  close_stream(session, writer);
+}
+
+void SessionTable::wait_until_empty(std::chrono::steady_clock::time_point end) {
+  std::unique_lock lock(mutex_);
+  removed_.wait_until(lock, end, [&] { return sessions_.empty(); });
 }
 
 Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, ClientIdentity who,
@@ -70,9 +93,11 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
   Joined joined;
   {
     std::lock_guard lock(mutex_);
-    if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
-    if (const auto found = sessions_.find(resumed_id);
-        found != sessions_.end() && found->second->who.authorization.token_id == who.authorization.token_id) {
+    const auto found = sessions_.find(resumed_id);
+    const bool resumes =
+        found != sessions_.end() && found->second->who.authorization.token_id == who.authorization.token_id;
+    if (!open_ && !(resumes && next_)) return Error{ErrorCode::Unavailable, closed_reason_};
+    if (resumes) {
       joined.session = found->second;
       left = joined.session->rejoin(now_ns(), terms);
     } else {
@@ -118,7 +143,7 @@ void SessionTable::stream_ended(ClientSession& session, uint64_t stream, bool in
   bool keep = !in_order;
   {
     std::lock_guard lock(mutex_);
-    keep = keep && open_;
+    keep = keep && (open_ || next_);
   }
   if (!keep) remove(session);
 }
@@ -135,6 +160,7 @@ void SessionTable::remove(const ClientSession& session, const std::lock_guard<st
   totals_.frames_replaced += session.frames_replaced();
   const std::shared_ptr<ClientSession> last_share = std::move(found->second);
   sessions_.erase(found);
+  removed_.notify_all();
   if (inputs_ != nullptr) inputs_->on_session_closed(last_share->number);
 }
 
@@ -278,9 +304,10 @@ void SessionTable::deliver_kernels(std::shared_ptr<const TickEncodings> tick,
   }
 }
 
-Result<SessionTable::Described> SessionTable::described() const {
+Result<SessionTable::Described> SessionTable::described(std::string_view resumed_id) const {
   std::lock_guard lock(mutex_);
-  if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
+  if (!open_ && !(next_ && sessions_.contains(resumed_id)))
+    return Error{ErrorCode::Unavailable, closed_reason_};
   return Described{scene_, rate_hz_, event_number_, objects_};
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <map>
@@ -47,8 +49,11 @@ class SessionTable {
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
   // The next server of a client; without an address if there is none.
   using NextServerFor = std::function<v1::NextServer(const Authorization&)>;
-  // Ends every stream with the reason; later joins fail.
+  // Ends every stream with the reason and the next server; new clients cannot join. With `next`, a client
+  // that has lost its connection can still resume its session, and its stream ends in the same way.
   void close(const std::string& reason, const NextServerFor& next = {});
+  // Waits for the end of all sessions.
+  void wait_until_empty(std::chrono::steady_clock::time_point end);
 
   struct Joined {
     std::shared_ptr<ClientSession> session;
@@ -62,6 +67,8 @@ class SessionTable {
   // Registers a stream. sweep() ends it if its first message does not name a session within
   // kSilenceTimeout_ns.
   void stream_begun(std::weak_ptr<SessionWriter> writer);
+  // A stream was attached to the session. Ends it after close().
+  void stream_attached(ClientSession& session, SessionWriter& writer);
   // Ends a stream of the session. `in_order`: the session ends too; otherwise it is parked. No effect if the
   // session has moved to another stream.
   void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
@@ -90,14 +97,14 @@ class SessionTable {
   // Ends silent streams, drops timed-out sessions and sends keepalives to the others.
   void sweep(int64_t now_ns);
 
-  // The scene, for callers without a session. Unavailable before open() and after close().
+  // The scene. Unavailable before open() and after close(), except for a session that can still resume.
   struct Described {
     std::string scene;
     double rate_hz = 0;
     uint64_t event_number = 0;  // added, removed and changed objects so far
     std::vector<Object> objects;
   };
-  Result<Described> described() const;
+  Result<Described> described(std::string_view resumed_id = {}) const;
   Object object(std::string_view name) const;  // null if unknown
   std::vector<std::string> object_names() const;
   // Hashes of the assets that clients may fetch.
@@ -133,6 +140,7 @@ class SessionTable {
   void remove(const ClientSession& session);
   void remove(const ClientSession& session, const std::lock_guard<std::mutex>& lock);
   void end(ClientSession& session, const Error& why);
+  void close_stream(ClientSession& session, SessionWriter& writer);
 
   const std::string instance_;
   AuthorizationCheck authorization_check_;
@@ -140,6 +148,8 @@ class SessionTable {
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
   std::string closed_reason_ = "server: the scene is still loading; try again later";
+  NextServerFor next_;               // set by close()
+  std::condition_variable removed_;  // a session was removed
   std::string scene_;
   double rate_hz_ = 0;
   uint64_t tick_ = 0;

@@ -106,7 +106,8 @@ class Browser:
             if value:
                 return value
             time.sleep(0.05)
-        raise TimeoutError(f'{script} after {seconds} s; console: {self.console}')
+        shown = self.run("`${location.href}: ${document.body?.innerText ?? ''}`")
+        raise TimeoutError(f'{script} after {seconds} s; page {shown}; console: {self.console}')
 
     def mouse(self, kind, x, y, button='left', buttons=1, modifiers=0):
         self.ask('Input.dispatchMouseEvent', type='mouse' + kind, x=x, y=y, button=button, buttons=buttons,

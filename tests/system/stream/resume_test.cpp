@@ -49,6 +49,24 @@ TEST_F(Resume, SameSessionContinuesAfterACut) {
   EXPECT_EQ(served_->server->sessions().sessions, 1u);
 }
 
+TEST_F(Resume, ClientBetweenTwoStreamsLearnsTheNextServer) {
+  start();
+  ServedScene next(box_scene());
+  proxy_->cut();
+  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
+  ASSERT_TRUE(wait_until([&] { return served_->server->streaming_count() == 0; }));
+  std::jthread ends([&] {
+    served_->server->shut_down("the node is drained", {"127.0.0.1:" + std::to_string(next.port()), ""});
+  });
+  ASSERT_TRUE(wait_until([&] { return !served_->server->session_table().status().open; }));
+  proxy_->heal();
+  ASSERT_TRUE(sink_.wait_resumed(2));
+  EXPECT_FALSE(sink_.state().resumed.back().same_server);
+  EXPECT_TRUE(sink_.wait_frames(5));
+  EXPECT_EQ(next.server->streaming_count(), 1u);
+  EXPECT_TRUE(client_->stop());
+}
+
 // A frame in flight may take longer than the second of silence after which a client gives up.
 TEST(NarrowLink, ShowsKernelFramesThatTakeSeconds) {
   ServedScene served(box_scene());
