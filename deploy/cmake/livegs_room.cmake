@@ -81,6 +81,32 @@ function(livegs_add_room name)
   livegs_unite(livegs_${name})
 endfunction()
 
+# livegs_rooms_behind(RESULT LIBRARIES...): the static libraries of this project among them and among what they link.
+function(livegs_rooms_behind result)
+  set(rooms)
+  while(ARGN)
+    list(POP_FRONT ARGN library)
+    if(NOT TARGET ${library})
+      continue()
+    endif()
+    get_target_property(alias ${library} ALIASED_TARGET)
+    if(alias)
+      set(library ${alias})
+    endif()
+    get_target_property(imported ${library} IMPORTED)
+    get_target_property(type ${library} TYPE)
+    if(imported OR NOT type STREQUAL "STATIC_LIBRARY" OR library IN_LIST rooms)
+      continue()
+    endif()
+    list(APPEND rooms ${library})
+    get_target_property(behind ${library} LINK_LIBRARIES)
+    if(behind)
+      list(APPEND ARGN ${behind})
+    endif()
+  endwhile()
+  set(${result} ${rooms} PARENT_SCOPE)
+endfunction()
+
 # livegs_add_test_support(NAME SOURCES ... LINK ...): a static library of sources that several test programs share.
 function(livegs_add_test_support name)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINK" ${ARGN})
@@ -99,6 +125,14 @@ function(livegs_add_test_program name)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
                                              LIVEGS_TESTS_DIR="${CMAKE_SOURCE_DIR}/tests")
+  # Rooms and tests instantiate the same templates, for example of JSON, and the linker keeps the first copy. The rooms'
+  # objects stand first, so that a test runs the optimised copies, as the programs do.
+  livegs_rooms_behind(rooms ${TEST_LINK})
+  if(rooms)
+    list(TRANSFORM rooms REPLACE "(.+)" "$<TARGET_FILE:\\1>")
+    list(JOIN rooms " " rooms)
+    target_link_options(${name} PRIVATE "SHELL:-Wl,--whole-archive ${rooms} -Wl,--no-whole-archive")
+  endif()
   livegs_optimise_test(${name} ${TEST_LINK})
   livegs_unite(${name})
 endfunction()
@@ -109,7 +143,8 @@ endfunction()
 #   EACH: one ctest entry per TEST, for tests of whole programs.
 #   SERIAL: no other test runs at the same time.
 #   WAITS: mostly waits for timers and sockets. Such a test takes one of the slots of `ctest --parallel`, another one two;
-#   deploy/test has two slots for each core, and one more.
+#   deploy/test has two slots for each core, and one more. ctest starts tests of a higher COST first, so that while tests of
+#   two slots are left, they keep the cores busy and one test that waits runs next to them.
 #   HOT: compiled with LIVEGS_HOT_TEST_FLAGS.
 #   LABELS nightly: neither built nor run by default. TIMEOUT: 900 s by default, 300 s with EACH.
 function(livegs_add_test name)
@@ -129,6 +164,7 @@ function(livegs_add_test name)
   if(TEST_WAITS)
     set(slots 1)
   endif()
+  set(run RUN_SERIAL ${TEST_SERIAL} PROCESSORS ${slots} COST ${slots})
   set(environment)
   if(LIVEGS_SANITIZE MATCHES address AND TEST_LABELS MATCHES vulkan)
     # Vulkan drivers and layers keep memory until the process ends; the leaks are not in our code.
@@ -145,7 +181,7 @@ function(livegs_add_test name)
       set(environment ENVIRONMENT ${environment})
     endif()
     gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-                         PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} PROCESSORS ${slots} ${environment})
+                         PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} ${run} ${environment})
     return()
   endif()
   if(NOT TEST_TIMEOUT)
@@ -162,7 +198,7 @@ function(livegs_add_test name)
     endif()
     add_test(NAME ${entry} COMMAND ${name})
     set_tests_properties(${entry} PROPERTIES
-      LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} PROCESSORS ${slots}
+      LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} ${run}
       ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/test_times/${entry}.xml;${environment}")
   endforeach()
 endfunction()

@@ -110,8 +110,19 @@ class SharedVulkan final : public ::testing::Environment {
   std::unique_ptr<Backend> backend_;
 };
 
-// Owned by GoogleTest.
-inline SharedVulkan& shared_vulkan =
-    *static_cast<SharedVulkan*>(::testing::AddGlobalTestEnvironment(new SharedVulkan));
+// Owned by GoogleTest, which tears environments down in the reverse order of their registration.
+inline SharedVulkan& registered_vulkan() {
+  static SharedVulkan& only =
+      *static_cast<SharedVulkan*>(::testing::AddGlobalTestEnvironment(new SharedVulkan));
+  return only;
+}
+inline SharedVulkan& shared_vulkan = registered_vulkan();
+
+// Registers an environment that uses shared_vulkan, and is torn down before it.
+template <typename Environment>
+Environment& register_after_vulkan() {
+  registered_vulkan();  // variables of several files have no order
+  return *static_cast<Environment*>(::testing::AddGlobalTestEnvironment(new Environment));
+}
 
 }  // namespace livegs

@@ -36,8 +36,7 @@ class OnDevice final : public ::testing::Environment {
   std::shared_ptr<DeviceElastic> device_;
 };
 
-// Registered after shared_vulkan, so it is torn down before. Owned by GoogleTest.
-[[maybe_unused]] ::testing::Environment* const on_device = ::testing::AddGlobalTestEnvironment(new OnDevice);
+[[maybe_unused]] OnDevice& on_device = register_after_vulkan<OnDevice>();
 
 }  // namespace
 }  // namespace livegs

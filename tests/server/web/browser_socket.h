@@ -17,7 +17,7 @@
 
 namespace livegs {
 
-struct Answer {
+struct WebReply {
   int status = 0;  // 0: no answer
   std::map<std::string, std::string> headers;
   std::string body;
@@ -62,8 +62,8 @@ class Wire {
     return at == std::string::npos ? read(waiting_.size()) : read(at + end.size());
   }
 
-  Answer answer(bool with_body = true) {
-    Answer answer;
+  WebReply answer(bool with_body = true) {
+    WebReply answer;
     const std::string head = read_until("\r\n\r\n");
     if (head.size() < 12 || !head.starts_with("HTTP/1.1 ")) return answer;
     answer.status = std::stoi(head.substr(9, 3));
@@ -106,7 +106,7 @@ class BrowserSocket {
                     headers));
     upgrade = wire_.answer();
   }
-  Answer upgrade;
+  WebReply upgrade;
 
   bool send(const std::string& message, uint8_t opcode = 2) {
     std::string frame(1, static_cast<char>(0x80 | opcode));

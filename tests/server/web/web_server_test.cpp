@@ -19,7 +19,7 @@ namespace {
 
 class WebServerTest : public GrpcServerTest {
  protected:
-  Answer ask(const std::string& text) {
+  WebReply ask(const std::string& text) {
     Wire wire(server_->port());
     wire.send(text);
     return wire.answer();
@@ -28,7 +28,7 @@ class WebServerTest : public GrpcServerTest {
     v1::JoinRequest wish;
     wish.set_protocol_version(kProtocolVersion);
     wish.set_client_name("a browser");
-    const Answer answer = ask(request("POST", "/livegs.v1.LiveGs/Join", wish.SerializeAsString()));
+    const WebReply answer = ask(request("POST", "/livegs.v1.LiveGs/Join", wish.SerializeAsString()));
     EXPECT_EQ(answer.status, 200) << answer.body;
     v1::JoinReply reply;
     EXPECT_TRUE(reply.ParseFromString(answer.body));
@@ -38,7 +38,7 @@ class WebServerTest : public GrpcServerTest {
 
 TEST_F(WebServerTest, ServesThePage) {
   open();
-  const Answer page = ask(request("GET", "/"));
+  const WebReply page = ask(request("GET", "/"));
   EXPECT_EQ(page.status, 200);
   EXPECT_EQ(page.body, find_page_file("/")->bytes);
   EXPECT_NE(page.headers.at("content-security-policy").find("default-src 'self'"), std::string::npos);
@@ -50,9 +50,9 @@ TEST_F(WebServerTest, ServesThePage) {
               "public, max-age=31536000, immutable")
         << file.path;
   }
-  const Answer known = ask(request("GET", "/", "", "If-None-Match: " + page.headers.at("etag") + "\r\n"));
+  const WebReply known = ask(request("GET", "/", "", "If-None-Match: " + page.headers.at("etag") + "\r\n"));
   EXPECT_EQ(known.status, 304);
-  const Answer coded = ask(request("GET", "/", "", "Accept-Encoding: br, gzip\r\n"));
+  const WebReply coded = ask(request("GET", "/", "", "Accept-Encoding: br, gzip\r\n"));
   EXPECT_EQ(coded.headers.at("content-encoding"), "br");
   EXPECT_EQ(ask(request("GET", "/nothing")).status, 404);
   EXPECT_EQ(ask(request("DELETE", "/")).status, 0);  // no method of browsers: the door gives it to gRPC
@@ -63,13 +63,13 @@ TEST_F(WebServerTest, ServesCallsOnOneConnection) {
   Wire wire(server_->port());
   for (int i = 0; i < 3; ++i) {
     wire.send(request("POST", "/livegs.v1.LiveGs/GetServerInfo"));
-    const Answer answer = wire.answer();
+    const WebReply answer = wire.answer();
     v1::ServerInfo info;
     ASSERT_TRUE(answer.status == 200 && info.ParseFromString(answer.body)) << answer.status;
     EXPECT_EQ(info.protocol_version(), kProtocolVersion);
   }
   wire.send(request("POST", "/livegs.v1.LiveGs/AnalyzeObject"));
-  const Answer refused = wire.answer();
+  const WebReply refused = wire.answer();
   EXPECT_NE(refused.status, 200);
   EXPECT_FALSE(refused.headers.at("grpc-status").empty());
   EXPECT_FALSE(refused.body.empty());
@@ -80,14 +80,14 @@ TEST_F(WebServerTest, ServesAssetsThatStoreTheirBlocks) {
   const v1::JoinReply joined = join();
   ASSERT_GT(joined.objects_size(), 0);
   const std::string hash = joined.objects(0).asset_hash();
-  const Answer whole = ask(request("GET", "/assets/" + hash));
+  const WebReply whole = ask(request("GET", "/assets/" + hash));
   ASSERT_EQ(whole.status, 200);
   EXPECT_EQ(whole.headers.at("livegs-total-bytes"), std::to_string(whole.body.size()));
   const auto bytes = std::as_bytes(std::span(whole.body));
   const auto asset = decode_progressive(bytes);
   ASSERT_TRUE(asset) << asset.error().message;
   EXPECT_EQ(asset->size(), joined.objects(0).kernel_count());
-  const Answer rest = ask(request("GET", "/assets/" + hash + "?from=100"));
+  const WebReply rest = ask(request("GET", "/assets/" + hash + "?from=100"));
   EXPECT_EQ(rest.body, whole.body.substr(100));
   EXPECT_EQ(
       ask(request("GET", "/assets/" + hash, "", "Accept-Encoding: zstd\r\n")).headers.at("content-encoding"),
@@ -177,7 +177,7 @@ TEST_F(WebServerTest, LetsListedSitesShowTheScene) {
   const std::string listed = "Origin: https://example.org\r\n", evil = "Origin: https://evil.example\r\n";
   server_->allow_origins({"https://example.org"});
   open();
-  Answer module = ask(request("GET", "/livegs-view.js", "", listed));
+  WebReply module = ask(request("GET", "/livegs-view.js", "", listed));
   EXPECT_EQ(module.status, 200);
   EXPECT_EQ(module.headers["access-control-allow-origin"], "https://example.org");
   EXPECT_EQ(module.headers["cross-origin-resource-policy"], "cross-origin");
@@ -211,8 +211,8 @@ class SecureWebTest : public ::testing::Test {
     server_ = std::move(*GrpcServer::listen("127.0.0.1:0", security_.get()));
     server_->open(scene_, inputs_);
   }
-  Answer ask(const std::string& path, const std::string& post = "",
-             const std::vector<std::string>& headers = {}, const std::string& scheme = "https") {
+  WebReply ask(const std::string& path, const std::string& post = "",
+               const std::vector<std::string>& headers = {}, const std::string& scheme = "https") {
     CURL* const curl = curl_easy_init();
     const std::string url = scheme + "://127.0.0.1:" + std::to_string(server_->port()) + path;
     curl_easy_setopt(curl, CURLOPT_URL, url.c_str());
@@ -227,7 +227,7 @@ class SecureWebTest : public ::testing::Test {
     curl_slist* list = nullptr;
     for (const std::string& one : headers) list = curl_slist_append(list, one.c_str());
     curl_easy_setopt(curl, CURLOPT_HTTPHEADER, list);
-    Answer answer;
+    WebReply answer;
     curl_easy_setopt(curl, CURLOPT_WRITEDATA, &answer.body);
     curl_easy_setopt(
         curl, CURLOPT_WRITEFUNCTION, +[](char* bytes, size_t size, size_t count, std::string* body) {
@@ -243,7 +243,7 @@ class SecureWebTest : public ::testing::Test {
     curl_easy_cleanup(curl);
     return answer;
   }
-  Answer call(const std::string& method, const std::string& token) {
+  WebReply call(const std::string& method, const std::string& token) {
     // A request of one unknown field, so that the body is not empty.
     return ask("/livegs.v1.LiveGs/" + method, std::string("\xf8\x01\x01", 3),
                token.empty() ? std::vector<std::string>()
@@ -267,7 +267,7 @@ TEST_F(SecureWebTest, NeedsATokenForAllButThePage) {
   EXPECT_EQ(call("ControlRun", viewer->secret).status, 403);
   EXPECT_EQ(call("ApplyForce", viewer->secret).status, 403);
   (void)security_->tokens().revoke(viewer->token.id());
-  const Answer revoked = call("GetServerInfo", viewer->secret);
+  const WebReply revoked = call("GetServerInfo", viewer->secret);
   EXPECT_EQ(revoked.status, 401);
   EXPECT_NE(revoked.body.find("revoked"), std::string::npos) << revoked.body;
 }
@@ -277,7 +277,7 @@ TEST_F(SecureWebTest, PairsABrowserOnce) {
   ASSERT_EQ(link.urls_size(), 1);
   EXPECT_EQ(link.urls(0), "https://127.0.0.1:" + std::to_string(server_->port()) + "/#pair=" + link.code());
   EXPECT_EQ(ask("/pair", "AAAAAAAA").status, 401);
-  const Answer paired = ask("/pair", link.code());
+  const WebReply paired = ask("/pair", link.code());
   ASSERT_EQ(paired.status, 200);
   EXPECT_EQ(call("GetServerInfo", paired.body).status, 200);
   EXPECT_EQ(call("ControlRun", paired.body).status, 403) << "a browser may touch, not author";
@@ -285,7 +285,7 @@ TEST_F(SecureWebTest, PairsABrowserOnce) {
 }
 
 TEST_F(SecureWebTest, LeadsFromHttpToHttps) {
-  const Answer answer = ask("/page", "", {}, "http");
+  const WebReply answer = ask("/page", "", {}, "http");
   EXPECT_EQ(answer.status, 308);
 }
 

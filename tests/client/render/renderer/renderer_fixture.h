@@ -60,9 +60,7 @@ class SharedRenderers final : public ::testing::Environment {
       renderers_;
 };
 
-// GoogleTest owns it, and tears it down before shared_vulkan, which was registered first.
-inline SharedRenderers& shared_renderers =
-    *static_cast<SharedRenderers*>(::testing::AddGlobalTestEnvironment(new SharedRenderers));
+inline SharedRenderers& shared_renderers = register_after_vulkan<SharedRenderers>();
 
 // Pictures of the device found, lavapipe in CI, compared with the oracle's. Device and renderers are shared
 // by the program's tests, under the validation layer; any message of it fails the test. Skips only where
