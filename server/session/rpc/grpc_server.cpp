@@ -276,7 +276,7 @@ void GrpcServer::shut_down(const std::string& reason, const Successor& successor
     };
   }
   parts_->table.close(reason, next);
-  // Clients that are about to connect again learn of the next server too.
+  // Clients that are reconnecting receive the address of the next server too.
   if (next) parts_->table.wait_until_empty(end);
   parts_->door->close();
   parts_->server->Shutdown(std::chrono::system_clock::now() + (end - std::chrono::steady_clock::now()));

@@ -49,7 +49,7 @@ TEST_F(Resume, SameSessionContinuesAfterACut) {
   EXPECT_EQ(served_->server->sessions().sessions, 1u);
 }
 
-TEST_F(Resume, ClientBetweenTwoStreamsLearnsTheNextServer) {
+TEST_F(Resume, ClientBetweenTwoStreamsMovesToTheNextServer) {
   start();
   ServedScene next(box_scene());
   proxy_->cut();
