@@ -150,8 +150,7 @@ int main(int argc, char** argv) {
       "--size", size,
       "Picture size in pixels (default: that of the camera file, else 1280x800 in a window and 640x480 "
       "offscreen)");
-  app.add_option("--camera", options.camera_file,
-                 "Camera file (default: all objects, seen from slightly above)");
+  app.add_option("--camera", options.camera_file, "Camera file (default: all objects, from slightly above)");
   auto* script = app.add_option("--script", options.script_file,
                                 "Offscreen mode: input script of the hands (JSON, message InputScript)");
   app.add_option("--poke", options.poke,

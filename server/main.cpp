@@ -490,16 +490,16 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   app.add_flag("--print-port", options.print_port, "Print the port to standard output when clients can join");
-  auto* waits =
-      app.add_flag("--wait-for-client", options.wait_for_client,
-                   "Delay the first tick until a client shows its first picture and starts the simulation");
+  auto* waits = app.add_flag(
+      "--wait-for-client", options.wait_for_client,
+      "Delay the first tick until a client has drawn its first picture and starts the simulation");
   auto* fleet = app.add_option("--fleet", options.fleet,
-                               "agones: this server is a GameServer and reports its state to the sidecar on "
-                               "port AGONES_SDK_HTTP_PORT. The sidecar must reply within 30 s")
+                               "agones: run as a GameServer and report the state to the sidecar on port "
+                               "AGONES_SDK_HTTP_PORT. The sidecar must reply within 30 s")
                     ->check(CLI::IsMember({"agones"}))
                     ->excludes(waits);  // without ticks there is no Health
   app.add_option("--fleet-empty-s", options.fleet_empty_s,
-                 "End after this time without a person, once the server was allocated")
+                 "Shut down after this time without a person, if the server was allocated")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str()
       ->needs(fleet);

@@ -322,7 +322,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
     });
   });
   kick->add_option("SESSION", options->session,
-                   "Session id as listed by `clients`, or its first digits, at least four")
+                   "Session id as listed by `clients`, or a prefix of at least four digits")
       ->required();
   kick->add_option("--reason", options->reason, "Reason sent to the client")->type_name("TEXT");
   add(ctl, "health", "Check whether the server is serving; exit code 0 if it is", health);
@@ -380,7 +380,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
         return ask_and_print(given, &v1::Admin::Stub::ListTokens, v1::ListTokensRequest(), print_tokens);
       });
   auto* revoked =
-      add(tokens, "revoke", "Revoke a token and end its sessions at once", [](const Options& given) {
+      add(tokens, "revoke", "Revoke a token and end its sessions immediately", [](const Options& given) {
         v1::RevokeTokenRequest request;
         request.set_id(given.token_id);
         return ask_and_print(given, &v1::Admin::Stub::RevokeToken, request, [](const v1::Token& token) {
@@ -389,7 +389,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
       });
   revoked
       ->add_option("ID", options->token_id,
-                   "Token id as listed by `tokens list`, or its first digits, at least four")
+                   "Token id as listed by `tokens list`, or a prefix of at least four digits")
       ->required();
   // After the commands of ctl, which would show it too.
   ctl->footer(

@@ -28,14 +28,13 @@ void add_publish(CLI::App& app, int& exit_code) {
       "publish", "Store a scene and its assets in a store, from which servers start and clients load assets");
   command->add_option("SCENE", options->scene, "A *.scene.json, a folder of assets or one asset")->required();
   command
-      ->add_option(
-          "--asset-store", options->place,
-          "Folder that a web server serves, http(s):// address that accepts PUT, or s3://BUCKET/PREFIX "
-          "(AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_REGION, AWS_ENDPOINT_URL)")
+      ->add_option("--asset-store", options->place,
+                   "Folder of a web server, http(s):// address that accepts PUT, or s3://BUCKET/PREFIX "
+                   "(AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_REGION, AWS_ENDPOINT_URL)")
       ->required()
       ->type_name("PLACE");
   command->add_flag("--verify", options->verify,
-                    "Also read the objects that the store has, and replace those with wrong bytes");
+                    "Also read the stored objects and replace those with wrong bytes");
   command->callback([options, &exit_code] {
     auto store = ObjectStore::open(options->place);
     if (!store) {

@@ -369,8 +369,7 @@ void add_analyze(CLI::App& app, int& exit_code) {
       app.add_subcommand("analyze", "Estimate the physical parameters of objects, with ranges and reasons");
   command->add_option("SCENE_OR_ASSET", options->path, "A *.scene.json, a folder of assets, or a splat asset")
       ->required();
-  command->add_option("--name", options->name,
-                      "Name of the object that the asset shows (default: file name)");
+  command->add_option("--name", options->name, "Name of the object (default: file name)");
   command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)")
       ->check([](const std::string& text) {
         const double scale = std::strtod(text.c_str(), nullptr);
@@ -423,9 +422,9 @@ void add_analyze(CLI::App& app, int& exit_code) {
       "Write one HTML page per object to this folder: views, prompt, raw answer, checks and "
       "values. Pages are NAME.html; bytes other than letters, digits, - and _ are percent-encoded");
   command->add_flag("--write", options->write, "Save the values next to the assets, as NAME.physics.json");
-  CLI::Option* accept = command->add_option(
-      "--accept", options->decision.accept,
-      "Apply the proposal that the last --write saved for this OBJECT; a model is not called");
+  CLI::Option* accept =
+      command->add_option("--accept", options->decision.accept,
+                          "Apply the proposal of the last --write for this OBJECT, without a model");
   CLI::Option* decline = command->add_option("--decline", options->decision.decline,
                                              "Discard the proposal for this OBJECT and keep its values");
   CLI::Option* undo =

@@ -174,8 +174,8 @@ void add_capture(CLI::App& app, int& exit_code) {
       ->type_name("");
   command
       ->add_option("--output,-o", options->segment.output,
-                   "Output folder, new or empty: things, room, scene, page and the whole splat. DIR.work has "
-                   "the files of an unfinished run")
+                   "Output folder, new or empty: things, room, scene, page and the whole splat. DIR.work "
+                   "contains the files of an unfinished run")
       ->required()
       ->type_name("DIR");
   add_train_options(*command, options->train);

@@ -252,7 +252,7 @@ void add_fit(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--every", options->every_s,
-                   "With --checkpoints: seconds after which the state is stored, the results of simulations")
+                   "With --checkpoints: interval in seconds at which the state is stored")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   command

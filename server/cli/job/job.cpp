@@ -106,9 +106,10 @@ void add_job_options(CLI::App& command, JobOptions& options) {
       .add_option(
           "--checkpoints", options.checkpoints,
           "Folder, http(s):// address that accepts PUT, or s3://BUCKET/PREFIX, where the state of the run is "
-          "stored. The same command continues from this state. It ends at once if its outputs exist. Inputs "
+          "stored. The same command continues from this state. The run ends immediately if its outputs "
+          "exist. Inputs "
           "may be addresses of a file, a .zip of a folder or a published scene. Outputs are stored by PUT. "
-          "Exit codes: 0 done, 1 failed, 2 wrong input, 75 temporary failure, run again")
+          "Exit codes: 0 success, 1 failure, 2 invalid input, 75 temporary failure (run again)")
       ->type_name("PLACE");
   command
       .add_option("--metrics", options.metrics,

@@ -271,8 +271,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command
       ->add_option(
           "--elastic-solver", options->solver,
-          "cells; livegs-v1, the LIVE-GS paper's solver; or livegs-v1-steady, the same with a stiffness that "
-          "does not depend on the substep")
+          "cells; livegs-v1 (solver of the LIVE-GS paper); livegs-v1-steady (livegs-v1 with a stiffness "
+          "independent of the substep)")
       ->check(CLI::IsMember(elastic_solvers()))
       ->capture_default_str();
   command->add_option("--physics", options->physics, kPhysicsHelp)
@@ -295,10 +295,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--seed", options->seed, "Seed of the pieces of fragile objects")
       ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Disable the sleep of bodies at rest");
-  command->add_flag(
-      "--offline", options->offline,
-      "No effect: simulate does not use a language model. The option exists because other commands "
-      "have it");
+  command->add_flag("--offline", options->offline,
+                    "No effect, because simulate does not use a language model");
   command->add_flag("--drop", options->drop,
                     "Folder of assets: drop the objects onto the floor instead of placing them on it");
   group_options(*command, "Simulation",
