@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -19,6 +21,11 @@ namespace livegs {
 // the order of the asset. Precondition: at least one kernel.
 std::vector<std::byte> encode_progressive(const GaussianAsset& asset);
 
+// Encodes an asset as an edit of `base`: the runs of kernels that both have in the same order, and the other
+// kernels of the asset ("Edits"). Kernels are the same if their values have the same bits. Empty if the
+// harmonics differ in degree, the antialiasing differs, or no kernel is the same.
+std::optional<std::vector<std::byte>> encode_edit(const GaussianAsset& base, const GaussianAsset& asset);
+
 // A subset of the kernels of an asset, in its order.
 struct AssetPart {
   GaussianAsset asset;            // degree 0 until higher harmonics arrive; missing ones are 0
@@ -26,9 +33,13 @@ struct AssetPart {
 };
 
 // Decodes the bytes as they arrive. Any input is accepted: invalid bytes give an error, which every later
-// call returns too. Memory is at most about 1024 times the received bytes.
+// call returns too. Memory is at most about 1024 times the received bytes, plus twice that of the base.
 class ProgressiveDecoder {
  public:
+  ProgressiveDecoder() = default;  // of a whole asset
+  // Of a whole asset, or of an edit of `base`; null: of a whole asset only.
+  explicit ProgressiveDecoder(std::shared_ptr<const GaussianAsset> base) : base_(std::move(base)) {}
+
   // Consumes the next bytes, of any length.
   Result<void> take(std::span<const std::byte> bytes);
 
@@ -47,10 +58,17 @@ class ProgressiveDecoder {
  private:
   Result<void> take_head(std::span<const std::byte> head);
   Result<void> take_block(std::span<const std::byte> payload, uint32_t count);
+  bool take_runs(std::span<const std::byte> raw, size_t runs);
   bool take_kernels(std::span<const std::byte> raw, size_t count);
   bool take_harmonics(std::span<const std::byte> raw, size_t count);
   GaussianAsset gathered(std::span<const uint32_t> order, int degree) const;
 
+  std::shared_ptr<const GaussianAsset> base_;
+  // Of an edit: kernels of the base in the asset, those used so far, and the ends of the last run in the base
+  // and the asset.
+  size_t kept_ = 0;
+  std::vector<bool> used_;
+  int64_t base_end_ = 0, asset_end_ = 0;
   std::vector<std::byte> waiting_;  // received bytes of the incomplete block
   std::optional<Error> failed_;
   bool has_head_ = false;

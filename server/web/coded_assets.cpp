@@ -5,9 +5,9 @@
 
 namespace livegs {
 
-Result<CodedAssets::Coded> CodedAssets::get(const std::string& hash, std::span<const std::byte> progressive,
+Result<CodedAssets::Coded> CodedAssets::get(const std::string& name, std::span<const std::byte> progressive,
                                             uint64_t from, ContentCoding coding) {
-  const std::string key = hash + ' ' + std::string(name_of(coding));
+  const std::string key = name + ' ' + std::string(name_of(coding));
   if (from == 0) {
     for (auto one = kept_.begin(); one != kept_.end(); ++one) {
       if (one->key != key) continue;

@@ -24,8 +24,8 @@ class CodedAssets {
     std::shared_ptr<const std::vector<std::byte>> bytes;
     uint64_t total = 0;  // bytes of the whole stored form
   };
-  // The asset `hash`, whose transfer form is `progressive`, from byte `from` of its stored form on.
-  Result<Coded> get(const std::string& hash, std::span<const std::byte> progressive, uint64_t from,
+  // The asset or edit `name`, whose transfer form is `progressive`, from byte `from` of its stored form on.
+  Result<Coded> get(const std::string& name, std::span<const std::byte> progressive, uint64_t from,
                     ContentCoding coding);
 
  private:

@@ -242,12 +242,18 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
       if (failed != std::errc() || end != given->second.data() + given->second.size())
         return send_text(http::status::bad_request, "from: must be a number of bytes\n");
     }
-    fetch_ = shared_.backend.fetch(hash, std::string(view_of(request["livegs-session"])), authorization);
-    if (!fetch_) return send_text(http::status::not_found, "asset: is not an asset of the scene\n");
+    const auto given_base = parameters.find("base");
+    const std::string base = given_base == parameters.end() ? "" : given_base->second;
+    fetch_ =
+        shared_.backend.fetch(hash, base, std::string(view_of(request["livegs-session"])), authorization);
+    if (!fetch_)
+      return send_text(http::status::not_found, base.empty()
+                                                    ? "asset: is not an asset of the scene\n"
+                                                    : "base: the server has no edit of this asset\n");
     const ContentCoding coding = choose_coding(view_of(request[http::field::accept_encoding]));
     stream_.expires_never();  // the work below has no timeout
-    asio::post(shared_.pool, [self = shared_from_this(), hash, from, coding] {
-      auto coded = self->shared_.assets.get(hash, self->fetch_->bytes(), from, coding);
+    asio::post(shared_.pool, [self = shared_from_this(), name = hash + base, from, coding] {
+      auto coded = self->shared_.assets.get(name, self->fetch_->bytes(), from, coding);
       asio::post(self->shared_.io, [self, coded = std::move(coded), coding]() mutable {
         if (!coded) return self->send_text(http::status::bad_request, coded.error().message + "\n");
         self->begin_asset(std::move(*coded), coding);

@@ -40,9 +40,10 @@ class WebBackend {
   channel() = 0;  // to the gRPC server of this process, without credentials
   // Whether the caller may call the RPC `path`. `authorization`: "Bearer TOKEN"; empty: no token.
   virtual grpc::Status authorise(const std::string& path, const std::string& authorization) = 0;
-  // `session`: id of the session whose bandwidth limit counts; empty: none. Null: no such asset.
-  virtual std::unique_ptr<WebFetch> fetch(const std::string& hash, const std::string& session,
-                                          const std::string& authorization) = 0;
+  // `base`: hash of the asset of which `hash` is fetched as an edit; empty: the whole asset. `session`: id of
+  // the session whose bandwidth limit counts; empty: none. Null: no such asset or edit.
+  virtual std::unique_ptr<WebFetch> fetch(const std::string& hash, const std::string& base,
+                                          const std::string& session, const std::string& authorization) = 0;
   // The token for a one-time code. PermissionDenied for a wrong, used or expired code.
   virtual Result<std::string> pair(std::string_view code) = 0;
 };

@@ -109,7 +109,7 @@ TEST(PlasticSet, IsStrainMinusYieldInTension) {
   constexpr double kBar = 0.02;
   for (const double yield : {0.05, 0.1}) {
     for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {
-      const bool missed = yield > 0.09 && poisson_ratio > 0.4;
+      const bool missed = yield > 0.09 && poisson_ratio > 0.0;
       for (const double speed : {1.0, 10.0}) {
         for (const double rate_hz : kRates_hz)
           for (const int substeps : {4, 16}) {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streamed assets (proto/asset_format.md).
-// Even first byte: the rest is the received data, decoded in pieces.
-// Odd first byte: the rest is a head and the columns of blocks. The target adds the zstd frames, which
-// otherwise stop most damaged data before the decoders behind them.
+// Streamed assets and edits (proto/asset_format.md). Bits 1 and 2 of the first byte are the degree of the
+// base. Even first byte: the rest is the received data, decoded in pieces. Odd first byte: the rest is a head
+// and the columns of blocks. The target adds the zstd frames, which otherwise stop most damaged data before
+// the decoders behind them.
 #include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
 
 #include "fuzz/fuzz_target.h"
 #include "gaussian/progressive/progressive_layout.h"
@@ -16,6 +20,13 @@ using namespace progressive_layout;
 
 void append(Bytes& to, std::span<const std::byte> bytes) { to.insert(to.end(), bytes.begin(), bytes.end()); }
 
+size_t head_bytes(std::span<const std::byte> sent) {
+  const bool edit = sent.size() >= kEditMagic.size() &&
+                    std::equal(kEditMagic.begin(), kEditMagic.end(), sent.begin(),
+                               [](uint8_t a, std::byte b) { return std::byte{a} == b; });
+  return edit ? kEditHeadBytes : kHeadBytes;
+}
+
 // The first part is the head. Each other part is a u32 kernel count and the columns of a block.
 Bytes framed(std::span<const std::byte> input) {
   Bytes sent;
@@ -23,7 +34,7 @@ Bytes framed(std::span<const std::byte> input) {
   for (const auto part : parts_of(input)) {
     if (std::exchange(head, false)) {
       append(sent, part);
-      sent.resize(kHeadBytes);
+      sent.resize(head_bytes(sent));
       continue;
     }
     ByteReader in(part);
@@ -42,8 +53,8 @@ Bytes framed(std::span<const std::byte> input) {
   return sent;
 }
 
-void use(std::span<const std::byte> sent) {
-  ProgressiveDecoder decoder;
+void use(std::span<const std::byte> sent, const std::shared_ptr<const GaussianAsset>& base) {
+  ProgressiveDecoder decoder(base);
   for (size_t at = 0; at < sent.size();) {
     const size_t length = std::min<size_t>(4096, sent.size() - at);
     const bool taken = decoder.take(sent.subspan(at, length)).has_value();
@@ -86,8 +97,9 @@ GaussianAsset made_up(size_t count, int degree) {
 }
 
 Bytes columns_of(std::span<const std::byte> sent) {
-  std::vector<Bytes> parts{Bytes(sent.begin(), sent.begin() + kHeadBytes)};
-  for (size_t at = kHeadBytes; at < sent.size();) {
+  const size_t begin = head_bytes(sent);
+  std::vector<Bytes> parts{Bytes(sent.begin(), sent.begin() + static_cast<std::ptrdiff_t>(begin))};
+  for (size_t at = begin; at < sent.size();) {
     ByteReader head(sent.subspan(at, kBlockHeadBytes));
     const auto size = head.read<uint32_t>(), kernels = head.read<uint32_t>();
     ByteWriter part;
@@ -103,28 +115,47 @@ Bytes columns_of(std::span<const std::byte> sent) {
   return joined(parts);
 }
 
+// The base of edits, by degree.
+const std::shared_ptr<const GaussianAsset>& base_of(size_t degree) {
+  static const std::array<std::shared_ptr<const GaussianAsset>, 4> all = [] {
+    std::array<std::shared_ptr<const GaussianAsset>, 4> made;
+    for (int i = 0; i < 4; ++i)
+      made[static_cast<size_t>(i)] = std::make_shared<GaussianAsset>(made_up(50, i));
+    return made;
+  }();
+  return all[degree];
+}
+
+void add_seeds(const Bytes& sent, int degree, std::vector<Bytes>& seeds) {
+  const auto bits = static_cast<uint8_t>(degree << 1);
+  Bytes raw{std::byte{bits}};
+  append(raw, sent);
+  seeds.push_back(std::move(raw));
+  if (sent.size() > 16'000) return;
+  Bytes columns{static_cast<std::byte>(bits | 1)};
+  append(columns, columns_of(sent));
+  seeds.push_back(std::move(columns));
+}
+
 }  // namespace
 
 void look_at(std::span<const std::byte> input) {
   if (input.empty()) return;
-  const bool columns = (std::to_integer<uint8_t>(input[0]) & 1) != 0;
-  if (columns)
-    use(framed(input.subspan(1)));
+  const auto first = std::to_integer<uint8_t>(input[0]);
+  const auto& base = base_of((first >> 1) & 3u);
+  if ((first & 1) != 0)
+    use(framed(input.subspan(1)), base);
   else
-    use(input.subspan(1));
+    use(input.subspan(1), base);
 }
 
 std::vector<Bytes> seeds() {
   std::vector<Bytes> seeds;
-  for (const auto& [count, degree] : {std::pair<size_t, int>{1, 0}, {30, 0}, {40, 1}, {25, 3}, {1100, 0}}) {
-    const Bytes sent = encode_progressive(made_up(count, degree));
-    Bytes raw{std::byte{0}};
-    append(raw, sent);
-    seeds.push_back(std::move(raw));
-    if (count > 100) continue;
-    Bytes columns{std::byte{1}};
-    append(columns, columns_of(sent));
-    seeds.push_back(std::move(columns));
+  for (const auto& [count, degree] : {std::pair<size_t, int>{1, 0}, {30, 0}, {40, 1}, {25, 3}, {1100, 0}})
+    add_seeds(encode_progressive(made_up(count, degree)), degree, seeds);
+  for (const int degree : {0, 1, 3}) {
+    for (const size_t count : {30, 60})
+      add_seeds(*encode_edit(*base_of(static_cast<size_t>(degree)), made_up(count, degree)), degree, seeds);
   }
   return seeds;
 }

@@ -83,7 +83,7 @@ class PartFile {
 
 Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_t asset_bytes,
                                                 std::span<const Fetch> sources, const Progress& progress,
-                                                std::stop_token stop) const {
+                                                std::stop_token stop, const Edit& edit) const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) {
@@ -111,6 +111,34 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
   if (part->size() > asset_bytes && !part->truncate()) return system_error(part_path, "cannot be truncated");
 
   uint64_t fetched = 0;
+  // Stores a decoded asset in the folder. Null if it has another hash.
+  const auto keep = [&](const GaussianAsset& asset) -> Result<std::optional<Obtained>> {
+    std::vector<std::byte> bytes = encode_ply(asset);
+    if (content_hash(bytes) != hash) return std::optional<Obtained>();
+    if (auto written = write_file_atomically(whole, bytes); !written)
+      return Error{written.error().code,
+                   written.error().message + ", or choose another folder with --cache DIR"};
+    std::filesystem::remove(part_path, error);
+    return std::optional(Obtained{std::move(bytes), fetched});
+  };
+  if (auto base = edit.fetch ? edit.base() : nullptr) {
+    ProgressiveDecoder edited(std::move(base));
+    const auto done =
+        edit.fetch(0, [&](uint64_t, uint64_t, std::span<const std::byte> bytes) -> Result<void> {
+          fetched += bytes.size();
+          if (fetched > asset_bytes) return invalid_data("the edit exceeds the size of the asset");
+          return edited.take(bytes);
+        });
+    if (const auto asset = done ? edited.whole() : std::nullopt) {
+      auto kept = keep(*asset);
+      if (!kept) return kept.error();
+      if (*kept) return **std::move(kept);
+    }
+    if (stop.stop_requested()) return Error{ErrorCode::Unavailable, name + ": the fetch was cancelled"};
+    log_debug("%s: no edit of the earlier asset (%s); fetching the whole asset", name.c_str(),
+              done ? "wrong bytes" : done.error().message.c_str());
+  }
+
   ProgressiveDecoder decoder;
   std::optional<Error> spoilt;  // the error in the received bytes
   const auto decode = [&](std::span<const std::byte> bytes) -> Result<void> {
@@ -143,13 +171,10 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
     }
     if (!spoilt) {
       const auto asset = decoder.whole();
-      std::vector<std::byte> bytes = asset ? encode_ply(*asset) : std::vector<std::byte>();
-      if (asset && content_hash(bytes) == hash) {
-        if (auto written = write_file_atomically(whole, bytes); !written)
-          return Error{written.error().code,
-                       written.error().message + ", or choose another folder with --cache DIR"};
-        std::filesystem::remove(part_path, error);
-        return Obtained{std::move(bytes), fetched};
+      if (asset) {
+        auto kept = keep(*asset);
+        if (!kept) return kept.error();
+        if (*kept) return **std::move(kept);
       }
       spoilt = invalid_data("asset: " + std::string(asset ? "the received bytes have a different hash"
                                                           : "the data is incomplete"));

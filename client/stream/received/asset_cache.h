@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -36,15 +37,23 @@ class AssetCache {
   // second attempt from offset 0. `progress` is called on this thread when more kernels can be drawn. Waits
   // while another client fetches the asset; returns Unavailable once `stop` is requested.
   using Fetch = std::function<Result<void>(uint64_t offset, const TakeChunk& take)>;
+  // Fetches the asset as an edit of an asset that the client has, from offset 0. Called if the asset is not
+  // in the folder. `base` may wait for the base, and returns null if it is missing.
+  struct Edit {
+    std::function<std::shared_ptr<const GaussianAsset>()> base;
+    Fetch fetch;
+  };
   using Progress = std::function<void(const ProgressiveDecoder& so_far)>;
   Result<Obtained> obtain(const std::string& hash, uint64_t asset_bytes, const Fetch& fetch,
                           const Progress& progress = {}, std::stop_token stop = {}) const {
     return obtain(hash, asset_bytes, std::span(&fetch, 1), progress, std::move(stop));
   }
-  // From the first of several sources that gives the right bytes; the last one is the server. The failure of
-  // an earlier one is logged, and the next one continues the transfer. Precondition: there is a source.
+  // From the edit if there is one and it gives the right bytes. Else from the first of several sources that
+  // does; the last one is the server. The failure of an earlier one is logged, and the next one continues the
+  // transfer. Precondition: there is a source.
   Result<Obtained> obtain(const std::string& hash, uint64_t asset_bytes, std::span<const Fetch> sources,
-                          const Progress& progress = {}, std::stop_token stop = {}) const;
+                          const Progress& progress = {}, std::stop_token stop = {},
+                          const Edit& edit = {}) const;
 
   const std::filesystem::path& folder() const { return folder_; }
 

@@ -294,7 +294,7 @@ const JoinedScene& SessionClient::scene() const { return connection_->scene; }
 std::shared_ptr<const ServerPlace> SessionClient::place() const { return connection_->place; }
 
 Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_bytes, uint64_t offset,
-                                        const TakeChunk& take) {
+                                        const TakeChunk& take, const std::string& base_hash) {
   Connection& connection = *connection_;
   const std::string name = "asset " + hash.substr(0, 12);
   const int64_t begun_ns = now_ns();
@@ -310,6 +310,7 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     v1::FetchAssetRequest request;
     request.set_asset_hash(hash);
     request.set_offset(offset);
+    request.set_base_hash(base_hash);
     Connection::Call call(connection);
     call.context.AddMetadata(kSessionMetadata, session_id);
     call.context.set_deadline(

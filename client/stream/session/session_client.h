@@ -60,8 +60,9 @@ class SessionClient {
   // Fetches an asset from `offset` on, in order, into `take`, over a separate connection. Stops with the
   // error of `take` if it fails. `asset_bytes` is taken from the description. A broken connection is reopened
   // and the transfer resumed until no byte arrived for reconnect_s. Any thread.
+  // `base_hash`: fetches the asset as an edit of this asset (FetchAssetRequest.base_hash).
   Result<void> fetch_asset(const std::string& hash, uint64_t asset_bytes, uint64_t offset,
-                           const TakeChunk& take);
+                           const TakeChunk& take, const std::string& base_hash = {});
 
   // A fetch of an asset from the store that the server names (JoinReply.asset_store), which must not outlive
   // this client; null if no store has it, or after the store failed or refused. Any thread.

@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/assets/asset_library.h"
 
+#include <utility>
+
 #include "core/assert.h"
 #include "gaussian/asset_file.h"
 
 namespace livegs {
 
 void AssetLibrary::request(const StreamedObject& object) {
-  request(object.asset_hash, object.asset_bytes, object.name);
+  std::string base;
+  {
+    std::lock_guard lock(mutex_);
+    base = std::exchange(newest_[object.name], object.asset_hash);
+  }
+  request(object.asset_hash, object.asset_bytes, object.name, base);
   if (!object.broken_asset_hash.empty())
-    request(object.broken_asset_hash, object.broken_asset_bytes, object.name + ", broken");
+    request(object.broken_asset_hash, object.broken_asset_bytes, object.name + ", broken", object.asset_hash);
 }
 
-void AssetLibrary::request(const std::string& hash, uint64_t bytes, const std::string& object) {
+void AssetLibrary::request(const std::string& hash, uint64_t bytes, const std::string& object,
+                           const std::string& base) {
   std::lock_guard lock(mutex_);
   if (assets_.contains(hash)) return;
   auto asked = std::make_shared<RequestedAsset>();
@@ -20,8 +28,8 @@ void AssetLibrary::request(const std::string& hash, uint64_t bytes, const std::s
   asked->bytes = bytes;
   assets_.emplace(hash, asked);
   in_order_.push_back(asked);
-  threads_.push_back(std::async(std::launch::async, [this, hash, bytes, asked] {
-    auto loaded = load(hash, bytes, *asked);
+  threads_.push_back(std::async(std::launch::async, [this, hash, bytes, base, asked] {
+    auto loaded = load(hash, bytes, base, *asked);
     std::lock_guard done(mutex_);
     if (loaded) {
       ++totals_.assets;
@@ -37,7 +45,7 @@ void AssetLibrary::request(const std::string& hash, uint64_t bytes, const std::s
 }
 
 Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_t bytes,
-                                                RequestedAsset& asked) {
+                                                const std::string& base, RequestedAsset& asked) {
   AssetCache::Progress progress;
   if (shows_parts_) {
     // Parts double in size, since each part costs the renderer as much as it holds.
@@ -64,7 +72,17 @@ Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_
     sources.push_back(counted(std::move(stored)));
   sources.push_back(
       counted([&](uint64_t from, const TakeChunk& take) { return fetch_(hash, bytes, from, take); }));
-  auto obtained = cache_.obtain(hash, bytes, sources, progress, stop_);
+  AssetCache::Edit edit;
+  if (fetch_edit_ && !base.empty()) {
+    edit.base = [&]() -> Asset {
+      auto loaded = get(base);
+      return loaded ? *loaded : nullptr;
+    };
+    edit.fetch = [&](uint64_t from, const TakeChunk& take) {
+      return fetch_edit_(base, hash, bytes, from, take);
+    };
+  }
+  auto obtained = cache_.obtain(hash, bytes, sources, progress, stop_, edit);
   if (!obtained) return obtained.error();
   if (stop_.stop_requested())
     return Error{ErrorCode::Unavailable, "asset " + hash.substr(0, 12) + ": the fetch was cancelled"};

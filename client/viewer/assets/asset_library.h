@@ -37,6 +37,10 @@ class AssetLibrary {
               return client.fetch_asset(hash, bytes, offset, take);
             },
             cache, std::move(stop)) {
+    fetch_edit_ = [&client](const std::string& base, const std::string& hash, uint64_t bytes, uint64_t offset,
+                            const TakeChunk& take) {
+      return client.fetch_asset(hash, bytes, offset, take, base);
+    };
     find_stored_ = [&client](const std::string& hash, uint64_t bytes) {
       return client.stored_asset(hash, bytes);
     };
@@ -45,7 +49,8 @@ class AssetLibrary {
   using Asset = std::shared_ptr<const GaussianAsset>;
   // Makes partially received assets available before they are complete.
   void show_parts() { shows_parts_ = true; }
-  // Requests the object's asset and, if present, the asset of its fragments.
+  // Requests the object's asset and, if present, the asset of its fragments. If an object of this name had
+  // another asset, the server may send the difference only.
   void request(const StreamedObject& object);
   // Waits until the asset is loaded. Precondition: it was requested.
   Result<Asset> get(const std::string& hash);
@@ -94,13 +99,19 @@ class AssetLibrary {
     std::shared_ptr<const AssetPart> part;
     size_t step = 0;  // as in Arrived
   };
-  void request(const std::string& hash, uint64_t bytes, const std::string& object);
-  Result<Loaded> load(const std::string& hash, uint64_t bytes, RequestedAsset& asked);
+  // `base`: hash of an asset that was requested before; empty: none.
+  void request(const std::string& hash, uint64_t bytes, const std::string& object, const std::string& base);
+  Result<Loaded> load(const std::string& hash, uint64_t bytes, const std::string& base,
+                      RequestedAsset& asked);
   void keep_part(const ProgressiveDecoder& so_far, RequestedAsset& asked);
 
   const FetchAsset fetch_;
   // An asset's fetch from a store; null if no store has it.
   std::function<AssetCache::Fetch(const std::string& hash, uint64_t bytes)> find_stored_;
+  // Fetches an asset as an edit of `base`; null if no source has edits.
+  std::function<Result<void>(const std::string& base, const std::string& hash, uint64_t bytes,
+                             uint64_t offset, const TakeChunk& take)>
+      fetch_edit_;
   const AssetCache& cache_;
   const std::stop_token stop_;
   bool shows_parts_ = false;
@@ -108,6 +119,7 @@ class AssetLibrary {
   std::condition_variable arrived_;
   Totals totals_;
   std::map<std::string, std::shared_ptr<RequestedAsset>> assets_;
+  std::map<std::string, std::string> newest_;                    // hash by name of the object
   std::vector<std::shared_ptr<const RequestedAsset>> in_order_;  // in order of the requests
   std::vector<std::future<void>> threads_;                       // last: they use all members above
 };

@@ -19,6 +19,15 @@ Result<void> AssetBinder::take_asset(uint32_t asset, std::span<const std::byte> 
   return {};
 }
 
+bool AssetBinder::edit_asset(uint32_t asset, uint32_t base) {
+  const auto found = assets_.find(base);
+  if (found == assets_.end() || !found->second.whole) return false;
+  const std::shared_ptr<const AssetPart>& whole = found->second.whole;
+  if (whole->asset.size() != found->second.kernel_count) return false;
+  assets_[asset] = {ProgressiveDecoder({whole, &whole->asset}), 0, nullptr};
+  return true;
+}
+
 bool AssetBinder::finish_asset(uint32_t asset) {
   const auto found = assets_.find(asset);
   if (found == assets_.end()) return false;

@@ -38,6 +38,9 @@ class AssetBinder {
 
   // Assets, by a number of the caller.
   Result<void> take_asset(uint32_t asset, std::span<const std::byte> bytes);  // the next bytes
+  // The next bytes of `asset` are the first, and may be an edit of `base`. Returns false if the base is not
+  // finished, or lacks kernels that cannot be drawn.
+  bool edit_asset(uint32_t asset, uint32_t base);
   // After the last bytes, once they are known to be right: until then, objects are bound to parts only.
   // Returns false, and changes nothing, if bytes are missing.
   bool finish_asset(uint32_t asset);

@@ -94,6 +94,7 @@ uint32_t EXPORT(protocol_version)() { return kProtocolVersion; }
 int EXPORT(take_asset)(uint32_t asset, const void* data, size_t size) {
   return done(state().binder.take_asset(asset, bytes_at(data, size)));
 }
+int EXPORT(edit_asset)(uint32_t asset, uint32_t base) { return state().binder.edit_asset(asset, base); }
 int EXPORT(finish_asset)(uint32_t asset) { return state().binder.finish_asset(asset); }
 void EXPORT(drop_asset)(uint32_t asset) { state().binder.drop_asset(asset); }
 int EXPORT(bind_object)(uint32_t description, uint32_t asset, const void* rest, size_t size) {

@@ -4,8 +4,8 @@
 //
 //   start     module, token, assets: address of their folder
 //   describe  description (its number), rest: the rest body, or null if its kernels are bound already; session: its id;
-//             store: { url, hashes: SHA-256 of the form for browsers, by the hash of the asset }, or undefined; asset_hash,
-//             asset_bytes; broken_asset_hash, broken_asset_bytes: of an object that may break
+//             store: { url, hashes: SHA-256 of the form for browsers, by the hash of the asset }, or undefined; name: of the
+//             object; asset_hash, asset_bytes; broken_asset_hash, broken_asset_bytes: of an object that may break
 //   forget    description: it was removed or replaced
 //
 // Answers: bound (Core.bound()), failed { description, message }, loading { message }, received { bytes }, crashed { message }.
@@ -20,16 +20,17 @@ const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 class Binder {
   constructor(core, token, folder) {
-    Object.assign(this, { core, token, folder, session: '', assets: new Map(), fetching: 0 });
+    Object.assign(this, { core, token, folder, session: '', assets: new Map(), newest: new Map(), fetching: 0 }); // newest: hash by name of the object
   }
 
-  describe({ description, rest, session, store, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes }) {
+  describe({ description, rest, session, store, name, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes }) {
     if (session !== this.session) this.failedStore = null;
     this.session = session;
     const mixed = globalThis.location?.protocol === 'https:' && store?.url?.startsWith('http:'); // browsers refuse it
     this.store = store?.url && !mixed && store.url !== this.failedStore ? store : null;
-    const asset = this.request(asset_hash, asset_bytes, false);
-    if (broken_asset_hash) this.request(broken_asset_hash, broken_asset_bytes, true);
+    const asset = this.request(asset_hash, asset_bytes, false, this.newest.get(name));
+    this.newest.set(name, asset_hash);
+    if (broken_asset_hash) this.request(broken_asset_hash, broken_asset_bytes, true, asset_hash);
     if (rest) {
       if (asset.failed) throw new Error(asset.failed);
       this.core.take('bind_object', [description, asset.number], rest);
@@ -54,11 +55,12 @@ class Binder {
     }
   }
 
-  // `early`: of an object that may break; fetched when nothing else is.
-  request(hash, bytes, early) {
+  // `early`: of an object that may break; fetched when nothing else is. `base`: hash of an asset requested before, which the
+  // server may send the difference to.
+  request(hash, bytes, early, base) {
     let asset = this.assets.get(hash);
     if (!asset) {
-      asset = { hash, number: this.assets.size, early, arrived: 0, total: bytes, state: 'waits', waiting: new Set(), failed: '' };
+      asset = { hash, number: this.assets.size, early, base: this.assets.get(base), arrived: 0, total: bytes, state: 'waits', waiting: new Set(), failed: '' };
       this.assets.set(hash, asset);
     }
     asset.early = asset.early && early;
@@ -71,7 +73,7 @@ class Binder {
       if (this.fetching >= (asset.early ? 1 : kFetches)) return;
       asset.state = 'loads';
       ++this.fetching;
-      this.load(asset).catch((error) => {
+      asset.loaded = this.load(asset).catch((error) => {
         if (error instanceof WebAssembly.RuntimeError) crashed(error);
         else this.fail(asset, `asset ${asset.hash.slice(0, 12)}: ${error.message}`);
       }).finally(() => {
@@ -108,6 +110,19 @@ class Binder {
     const whole = this.core.call.finish_asset(asset.number);
     if (whole) this.bind();
     return whole;
+  }
+
+  // The difference to an earlier asset, in one attempt. Returns false if that fails.
+  async loadEdit(asset, path, headers) {
+    await asset.base.loaded; // it was requested first
+    if (!this.core.call.edit_asset(asset.number, asset.base.number)) return false;
+    const reply = await fetch(`${path}?base=${asset.base.hash}`, { headers });
+    if (!reply.ok) return false;
+    await eachChunk(reply.body, (chunk) => {
+      postMessage({ type: 'received', bytes: chunk.length });
+      this.take(asset, chunk);
+    });
+    return this.finish(asset);
   }
 
   // From the store, resumed by ranges. Throws if it fails or its bytes have another hash.
@@ -181,6 +196,15 @@ class Binder {
       await cache.delete(path);
       restart();
     }
+    const headers = () => ({ ...(this.token ? { authorization: `Bearer ${this.token}` } : {}), ...(this.session ? { 'livegs-session': this.session } : {}) });
+    if (asset.base && this.session) {
+      try {
+        if (await this.loadEdit(asset, path, headers())) return;
+      } catch (error) {
+        if (error instanceof WebAssembly.RuntimeError) throw error;
+      }
+      restart(); // and fetch the whole asset
+    }
     const { store } = this;
     if (store?.hashes[asset.hash]) {
       try {
@@ -195,11 +219,11 @@ class Binder {
         restart();
       }
     }
-    const chunks = [], headers = { ...(this.token ? { authorization: `Bearer ${this.token}` } : {}) };
+    const chunks = [];
     for (let damaged = false; ;) {
       let reply = null;
       try {
-        reply = await fetch(`${path}?from=${asset.arrived}`, { headers: { ...headers, ...(this.session ? { 'livegs-session': this.session } : {}) } });
+        reply = await fetch(`${path}?from=${asset.arrived}`, { headers: headers() });
       } catch { /* tried again */ }
       if (reply && !reply.ok && reply.status < 500) throw new Error(`status ${reply.status}: ${await reply.text()}`);
       if (reply?.ok) {

@@ -223,7 +223,7 @@ class Session {
       const binds = this.core.take('describe_object', [number, id, added, environment, hidden], rest) === 1;
       if (added) dropOf(this.asked, id);
       if (binds) this.asked.set(number, { id, added });
-      this.binder.postMessage({ type: 'describe', description: number, rest: binds ? rest : null, session: this.id, store: this.store, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes });
+      this.binder.postMessage({ type: 'describe', description: number, rest: binds ? rest : null, session: this.id, store: this.store, name, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes });
     });
     this.viewChanged = true; // it may be hidden or shown
   }

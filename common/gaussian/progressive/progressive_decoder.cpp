@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <numeric>
+#include <utility>
 
 #include "gaussian/asset/establish_invariants.h"
 #include "gaussian/progressive/progressive_layout.h"
@@ -37,6 +39,11 @@ class Columns {
   std::vector<uint32_t> words_;
   bool good_ = true;
 };
+
+bool begins_with(Bytes bytes, const std::array<uint8_t, 8>& magic) {
+  return std::equal(magic.begin(), magic.end(), bytes.begin(),
+                    [](uint8_t a, std::byte b) { return a == std::to_integer<uint8_t>(b); });
+}
 
 }  // namespace
 
@@ -78,8 +85,10 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
   Bytes left = waiting_;
   if (!has_head_) {
     if (left.size() < kHeadBytes) return {};
-    if (auto taken = take_head(left.first(kHeadBytes)); !taken) return fail(taken.error());
-    left = left.subspan(kHeadBytes);
+    const size_t head = begins_with(left, kEditMagic) ? kEditHeadBytes : kHeadBytes;
+    if (left.size() < head) return {};
+    if (auto taken = take_head(left.first(head)); !taken) return fail(taken.error());
+    left = left.subspan(head);
   }
   const size_t harmonics = harmonic_columns(degree_);
   while (!left.empty()) {
@@ -88,9 +97,11 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
       return fail(bad("bytes follow the last block"));
     if (left.size() < kBlockHeadBytes) break;
     const auto size = load<uint32_t>(left, 0), kernels = load<uint32_t>(left, 4);
-    const size_t columns = brings_kernels ? kKernelColumns : harmonics;
+    const bool brings_runs = indices_.size() < kept_;
+    const size_t columns = brings_runs ? kRunColumns : brings_kernels ? kKernelColumns : harmonics;
+    const size_t missing = (brings_runs ? kept_ : count_) - indices_.size();
     if (kernels == 0 || kernels > kMaxBlockKernels ||
-        (brings_kernels ? kernels > count_ - indices_.size() : kernels != block_counts_[harmonic_blocks_])) {
+        (brings_kernels ? kernels > missing : kernels != block_counts_[harmonic_blocks_])) {
       return fail(bad("a block has a wrong number of kernels"));
     }
     if (size < min_payload_bytes(columns, kernels) || size > max_payload_bytes(columns, kernels))
@@ -105,10 +116,9 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
 }
 
 Result<void> ProgressiveDecoder::take_head(Bytes head) {
-  if (!std::equal(kMagic.begin(), kMagic.end(), head.begin(),
-                  [](uint8_t a, std::byte b) { return a == std::to_integer<uint8_t>(b); })) {
+  const bool edit = begins_with(head, kEditMagic);
+  if (!edit && !begins_with(head, kMagic))
     return bad("wrong magic number or version; use client and server of the same version");
-  }
   count_ = load<uint32_t>(head, 8);
   degree_ = static_cast<int>(byte_at(head, 12));
   const unsigned flags = byte_at(head, 13);
@@ -117,26 +127,77 @@ Result<void> ProgressiveDecoder::take_head(Bytes head) {
   if (uint64_t{count_} * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMaxDecodedBytes)
     return bad("larger than 4 GiB");
   asset_.antialiased = flags != 0;
+  if (edit) {
+    kept_ = load<uint32_t>(head, kHeadBytes);
+    if (!base_ || base_->sh_degree != degree_ || base_->antialiased != asset_.antialiased)
+      return bad("an edit of another asset");
+    if (kept_ == 0 || kept_ > std::min<size_t>(count_, base_->size()))
+      return bad("an edit has a wrong number of kernels");
+    used_.resize(base_->size());
+  }
   has_head_ = true;
   return {};
 }
 
 Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
-  const bool brings_kernels = indices_.size() < count_;
+  const bool brings_kernels = indices_.size() < count_, brings_runs = indices_.size() < kept_;
   const auto frame = zstd_frame_size(payload);
   if (!frame) return bad("a block is not a zstd frame");
   const Bytes padding = payload.subspan(*frame);
   if (std::any_of(padding.begin(), padding.end(), [](std::byte byte) { return byte != std::byte{0}; }))
     return bad("bytes follow the zstd frame of a block");
-  std::vector<std::byte> raw(
-      max_raw_bytes(brings_kernels ? kKernelColumns : harmonic_columns(degree_), count));
+  const size_t column_count = brings_runs      ? kRunColumns
+                              : brings_kernels ? kKernelColumns
+                                               : harmonic_columns(degree_);
+  std::vector<std::byte> raw(max_raw_bytes(column_count, count));
   const auto size = zstd_frame_content(payload.first(*frame), raw);
   if (!size) return bad("a block is damaged");
   const Bytes columns = Bytes(raw).first(*size);
+  if (brings_runs) return take_runs(columns, count) ? Result<void>() : bad("the runs of an edit are damaged");
   if (brings_kernels ? !take_kernels(columns, count) : !take_harmonics(columns, count))
     return bad("the columns of a block are damaged");
   ++blocks_;
   return {};
+}
+
+bool ProgressiveDecoder::take_runs(Bytes raw, size_t runs) {
+  std::array<std::vector<uint32_t>, kRunColumns> words;
+  Columns columns(raw, runs);
+  for (auto& column : words) columns.each([&](size_t, uint32_t word) { column.push_back(word); });
+  if (!columns.at_end()) return false;
+  const auto& [steps, skipped, lengths] = words;
+  const auto rest = static_cast<std::ptrdiff_t>(harmonic_columns(degree_) / 3);
+  const auto base_count = static_cast<int64_t>(base_->size()), count = static_cast<int64_t>(count_);
+  for (size_t run = 0; run < runs; ++run) {
+    const int64_t half = steps[run] >> 1, length = lengths[run];
+    const int64_t from = base_end_ + ((steps[run] & 1) != 0 ? -half - 1 : half),
+                  to = asset_end_ + skipped[run];
+    base_end_ = from + length;
+    asset_end_ = to + length;
+    if (length == 0 || from < 0 || base_end_ > base_count || asset_end_ > count ||
+        static_cast<size_t>(length) > kept_ - indices_.size())
+      return false;
+    for (int64_t i = 0; i < length; ++i) {
+      if (used_[static_cast<size_t>(from + i)]) return false;
+      used_[static_cast<size_t>(from + i)] = true;
+      indices_.push_back(static_cast<uint32_t>(to + i));
+    }
+    const auto append = [&](auto& all, const auto& of, std::ptrdiff_t each) {
+      all.insert(all.end(), of.begin() + from * each, of.begin() + base_end_ * each);
+    };
+    append(asset_.positions, base_->positions, 1);
+    append(asset_.log_scales, base_->log_scales, 1);
+    append(asset_.rotations, base_->rotations, 1);
+    append(asset_.opacity_logits, base_->opacity_logits, 1);
+    append(asset_.sh_dc, base_->sh_dc, 1);
+    append(harmonics_, base_->sh_rest, rest);
+  }
+  with_harmonics_ = degree_ > 0 ? indices_.size() : 0;
+  if (indices_.size() == kept_) {
+    base_.reset();
+    used_ = {};
+  }
+  return true;
 }
 
 bool ProgressiveDecoder::take_kernels(Bytes raw, size_t count) {

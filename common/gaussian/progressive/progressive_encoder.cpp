@@ -2,13 +2,16 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include "core/assert.h"
 #include "gaussian/opacity.h"
+#include "gaussian/progressive/compare_assets.h"
 #include "gaussian/progressive/progressive_layout.h"
 #include "gaussian/progressive_asset.h"
 
@@ -27,14 +30,12 @@ double contribution(const GaussianAsset& asset, size_t kernel) {
          (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]);
 }
 
-std::vector<uint32_t> by_contribution(const GaussianAsset& asset) {
+std::vector<uint32_t> by_contribution(const GaussianAsset& asset, std::vector<uint32_t> order) {
   std::vector<double> adds(asset.size());
-  for (size_t i = 0; i < adds.size(); ++i) {
+  for (const uint32_t i : order) {
     adds[i] = contribution(asset, i);
     if (!(adds[i] >= 0)) adds[i] = 0;  // only for an asset that violates its invariants
   }
-  std::vector<uint32_t> order(asset.size());
-  std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return adds[a] > adds[b]; });
   return order;
 }
@@ -83,14 +84,38 @@ class FrameWriter {
 
 class Encoder {
  public:
-  explicit Encoder(const GaussianAsset& asset) : asset_(asset), order_(by_contribution(asset)) {}
+  // `kernels`: those to encode, ascending.
+  Encoder(const GaussianAsset& asset, std::vector<uint32_t> kernels)
+      : asset_(asset), order_(by_contribution(asset, std::move(kernels))) {}
 
-  std::vector<std::byte> run() {
-    for (const uint8_t byte : kMagic) append(out_, byte);
+  void add_head(const std::array<uint8_t, 8>& magic) {
+    for (const uint8_t byte : magic) append(out_, byte);
     append(out_, static_cast<uint32_t>(asset_.size()));
     append(out_, static_cast<uint8_t>(asset_.sh_degree));
     append(out_, static_cast<uint8_t>(asset_.antialiased ? kAntialiased : 0));
     append(out_, uint16_t{0});
+  }
+
+  void add_runs(std::span<const KeptRun> runs) {
+    append(out_, static_cast<uint32_t>(asset_.size() - order_.size()));
+    KeptRun before;
+    for (size_t at = 0; at < runs.size(); at += kMaxBlockKernels) {
+      const auto block = runs.subspan(at, std::min(kMaxBlockKernels, runs.size() - at));
+      std::array<std::vector<uint32_t>, kRunColumns> columns;
+      for (const KeptRun& run : block) {
+        const auto step = static_cast<int32_t>(run.of_base - (before.of_base + before.length));
+        columns[0].push_back((static_cast<uint32_t>(step) << 1) ^ static_cast<uint32_t>(step >> 31));
+        columns[1].push_back(run.of_asset - (before.of_asset + before.length));
+        columns[2].push_back(run.length);
+        before = run;
+      }
+      frame_.begin(max_raw_bytes(kRunColumns, block.size()));
+      for (const auto& column : columns) frame_.add(column);
+      add_block(block.size(), kRunColumns);
+    }
+  }
+
+  std::vector<std::byte> run() {
     std::vector<std::span<uint32_t>> blocks;
     for (size_t at = 0, size = kFirstBlockKernels; at < order_.size();
          size = std::min(2 * size, kMaxBlockKernels)) {
@@ -158,7 +183,22 @@ class Encoder {
 
 std::vector<std::byte> encode_progressive(const GaussianAsset& asset) {
   LIVEGS_ASSERT(asset.size() > 0);
-  return Encoder(asset).run();
+  std::vector<uint32_t> all(asset.size());
+  std::iota(all.begin(), all.end(), 0u);
+  Encoder encoder(asset, std::move(all));
+  encoder.add_head(kMagic);
+  return encoder.run();
+}
+
+std::optional<std::vector<std::byte>> encode_edit(const GaussianAsset& base, const GaussianAsset& asset) {
+  LIVEGS_ASSERT(asset.size() > 0);
+  if (base.sh_degree != asset.sh_degree || base.antialiased != asset.antialiased) return std::nullopt;
+  auto [runs, added] = compare_assets(base, asset);
+  if (runs.empty()) return std::nullopt;
+  Encoder encoder(asset, std::move(added));
+  encoder.add_head(kEditMagic);
+  encoder.add_runs(runs);
+  return encoder.run();
 }
 
 }  // namespace livegs

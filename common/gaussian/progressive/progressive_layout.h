@@ -12,15 +12,18 @@
 namespace livegs::progressive_layout {
 
 inline constexpr std::array<uint8_t, 8> kMagic{'L', 'V', 'G', 'A', 'S', 'T', 1, '\n'};
-inline constexpr size_t kHeadBytes = 16, kBlockHeadBytes = 8;
+inline constexpr std::array<uint8_t, 8> kEditMagic{'L', 'V', 'G', 'E', 'D', 'T', 1, '\n'};
+inline constexpr size_t kHeadBytes = 16, kEditHeadBytes = 20, kBlockHeadBytes = 8;
 inline constexpr uint8_t kAntialiased = 1;
 
-// Kernels per block. The first block is small, so that drawing can start early. Each next one is twice as
-// large, up to the maximum.
+// Kernels or runs per block. The first block is small, so that drawing can start early. Each next one is
+// twice as large, up to the maximum.
 inline constexpr size_t kFirstBlockKernels = 1024, kMaxBlockKernels = 32768;
 
 // Index, position, log-scale, rotation, opacity, colour.
 inline constexpr size_t kFloatColumns = 14, kKernelColumns = 1 + kFloatColumns;
+// Of a run of kernels that an edit keeps: step in the base, skipped kernels of the asset, length.
+inline constexpr size_t kRunColumns = 3;
 inline constexpr size_t kMaxBlockRatio = 1024;
 inline constexpr uint64_t kMaxDecodedBytes = uint64_t{4} << 30;
 

@@ -28,9 +28,13 @@ Error damaged(const char* what) { return invalid_data(std::string("asset: ") + w
 }  // namespace
 
 Result<std::vector<std::byte>> store_blocks(Bytes progressive) {
-  if (progressive.size() < kHeadBytes) return damaged("is shorter than its head");
-  std::vector<std::byte> out(progressive.begin(), progressive.begin() + kHeadBytes), raw;
-  for (Bytes left = progressive.subspan(kHeadBytes); !left.empty();) {
+  const bool edit = progressive.size() >= kEditHeadBytes &&
+                    std::memcmp(progressive.data(), kEditMagic.data(), kEditMagic.size()) == 0;
+  const size_t asset_head = edit ? kEditHeadBytes : kHeadBytes;
+  if (progressive.size() < asset_head) return damaged("is shorter than its head");
+  const Bytes begin = progressive.first(asset_head);
+  std::vector<std::byte> out(begin.begin(), begin.end()), raw;
+  for (Bytes left = progressive.subspan(asset_head); !left.empty();) {
     if (left.size() < kBlockHeadBytes) return damaged("ends within the head of a block");
     const auto size = load<uint32_t>(left, 0), kernels = load<uint32_t>(left, 4);
     if (left.size() - kBlockHeadBytes < size) return damaged("ends within a block");

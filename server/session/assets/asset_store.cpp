@@ -34,16 +34,24 @@ AssetBytes encode_asset(const GaussianAsset& asset) {
   return encoded;
 }
 
-std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const GaussianAsset>& asset) {
+std::shared_ptr<const AssetBytes> AssetStore::add(const Asset& asset, const Asset& base) {
+  const std::shared_ptr<const AssetBytes> from = base && base != asset ? add(base) : nullptr;
+  const auto has_edit = [&](const AssetBytes& bytes) {
+    return !from || from->hash == bytes.hash || by_hash_.at(bytes.hash).edits.contains(from->hash);
+  };
   std::unique_lock lock(mutex_);
   encoded_.wait(lock, [&] { return !encoding_.contains(asset.get()); });
-  if (const auto found = by_asset_.find(asset); found != by_asset_.end()) return found->second;
+  auto found = by_asset_.find(asset);
+  if (found != by_asset_.end() && has_edit(*found->second)) return found->second;
+  std::shared_ptr<const AssetBytes> encoded = found != by_asset_.end() ? found->second : nullptr;
   encoding_.insert(asset.get());
   lock.unlock();
-  std::shared_ptr<const AssetBytes> encoded;
+  std::optional<std::vector<std::byte>> edit;
   std::exception_ptr failed;  // out of memory; a waiting caller retries the encoding
   try {
-    encoded = std::make_shared<const AssetBytes>(encoder_(*asset));
+    if (from) edit = encode_edit(*base, *asset);
+    if (!encoded) encoded = std::make_shared<const AssetBytes>(encoder_(*asset));
+    if (edit && edit->size() > encoded->bytes.size() / 4 * 3) edit.reset();
   } catch (...) {
     failed = std::current_exception();
   }
@@ -53,13 +61,36 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   if (failed) std::rethrow_exception(failed);
   Kept& kept =
       // equal content is stored once
-      by_hash_.try_emplace(encoded->hash, encoded, std::nullopt).first->second;
+      by_hash_.try_emplace(encoded->hash, Kept{encoded, std::nullopt, {}}).first->second;
   kept.unused_since_ns.reset();
+  if (from && from->hash != encoded->hash)
+    kept.edits[from->hash] =
+        edit ? std::make_shared<const std::vector<std::byte>>(*std::move(edit)) : nullptr;
   by_asset_.emplace(asset, kept.bytes);
   return kept.bytes;
 }
 
-bool AssetStore::has(const std::shared_ptr<const GaussianAsset>& asset) const {
+void AssetStore::note_described(const std::string& name, const Asset& asset) {
+  std::lock_guard lock(mutex_);
+  described_[name] = asset;
+}
+
+AssetStore::Asset AssetStore::described(const std::string& name) const {
+  std::lock_guard lock(mutex_);
+  const auto found = described_.find(name);
+  return found == described_.end() ? nullptr : found->second.lock();
+}
+
+AssetStore::Bytes AssetStore::find_bytes(std::string_view hash, std::string_view base_hash) const {
+  std::lock_guard lock(mutex_);
+  const auto kept = by_hash_.find(hash);
+  if (kept == by_hash_.end()) return nullptr;
+  if (base_hash.empty()) return Bytes(kept->second.bytes, &kept->second.bytes->bytes);
+  const auto edit = kept->second.edits.find(base_hash);
+  return edit == kept->second.edits.end() ? nullptr : edit->second;
+}
+
+bool AssetStore::has(const Asset& asset) const {
   std::lock_guard lock(mutex_);
   return by_asset_.contains(asset);
 }
@@ -74,6 +105,7 @@ void AssetStore::drop_unused(const std::set<std::string>& announced, int64_t now
   std::lock_guard lock(mutex_);
   // Assets of a replaced scene have no other owner any more.
   std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });
+  std::erase_if(described_, [](const auto& known) { return known.second.expired(); });
   std::set<std::string_view> used;
   for (const auto& [asset, bytes] : by_asset_) used.insert(bytes->hash);
   for (auto& [hash, kept] : by_hash_) {

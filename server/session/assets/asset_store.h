@@ -40,11 +40,20 @@ class AssetStore {
   using Encoder = std::function<AssetBytes(const GaussianAsset&)>;  // called on any thread
   explicit AssetStore(Encoder encoder = encode_asset) : encoder_(std::move(encoder)) {}
 
+  using Asset = std::shared_ptr<const GaussianAsset>;
   // Encodes at the first call, on the calling thread and without worker threads, so that a concurrent tick is
   // not delayed (asset_bench). Concurrent calls for the same asset wait for the result.
-  std::shared_ptr<const AssetBytes> add(const std::shared_ptr<const GaussianAsset>& asset);
-  bool has(const std::shared_ptr<const GaussianAsset>& asset) const;
+  // `base`: an asset that clients may have. The asset is also encoded as an edit of it, unless that takes
+  // more than three quarters of the bytes of the asset.
+  std::shared_ptr<const AssetBytes> add(const Asset& asset, const Asset& base = nullptr);
+  // Notes that clients were sent the description of an object with this name and asset.
+  void note_described(const std::string& name, const Asset& asset);
+  Asset described(const std::string& name) const;  // the last one noted, null if it is gone
+  bool has(const Asset& asset) const;
   std::shared_ptr<const AssetBytes> find(std::string_view hash) const;  // nullptr if unknown
+  using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+  // The bytes of an asset, or of its edit if a base is given. Null if there are none.
+  Bytes find_bytes(std::string_view hash, std::string_view base_hash) const;
   // Discards assets that no object uses and that are not in `announced`, the hashes known to clients, for
   // kUnusedAssetLifetime_ns. A transfer in progress holds its own reference.
   void drop_unused(const std::set<std::string>& announced, int64_t now_ns);
@@ -59,10 +68,12 @@ class AssetStore {
   mutable std::mutex mutex_;  // guards everything below
   std::condition_variable encoded_;
   std::set<const GaussianAsset*> encoding_;  // being encoded on some thread
-  std::map<std::shared_ptr<const GaussianAsset>, std::shared_ptr<const AssetBytes>> by_asset_;
+  std::map<Asset, std::shared_ptr<const AssetBytes>> by_asset_;
+  std::map<std::string, std::weak_ptr<const GaussianAsset>> described_;  // by name of the object
   struct Kept {
     std::shared_ptr<const AssetBytes> bytes;
     std::optional<int64_t> unused_since_ns;
+    std::map<std::string, Bytes, std::less<>> edits;  // by hash of the base; null: too large
   };
   std::map<std::string, Kept, std::less<>> by_hash_;
 };

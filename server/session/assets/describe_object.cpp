@@ -34,6 +34,7 @@ double reach_m(const RestBody& rest, const AssetBytes& asset) {
 
 v1::ObjectDescription describe_object(const SceneObject& object, AssetStore& assets) {
   const std::shared_ptr<const AssetBytes> asset = assets.add(object.asset);
+  assets.note_described(object.name, object.asset);
   v1::ObjectDescription description;
   description.set_object_id(object.id);
   description.set_name(object.name);

@@ -63,6 +63,13 @@ FramePublisher::~FramePublisher() {
   thread_.join();
 }
 
+void FramePublisher::begin_with(std::span<const SceneObject* const> objects) {
+  for (const SceneObject* object : objects) {
+    if (object->environment) room_ = object->id;
+  }
+  kernels_.begin_with(objects);
+}
+
 void FramePublisher::publish(TickResult&& tick) {
   {
     std::lock_guard lock(mutex_);
@@ -98,13 +105,14 @@ SessionTable::Object FramePublisher::describe(const SceneObject& object) {
   return std::make_shared<const v1::ObjectDescription>(describe_object(object, assets_));
 }
 
-void FramePublisher::encode(const std::shared_ptr<const GaussianAsset>& asset, bool stands_still) {
+void FramePublisher::encode(const Asset& asset, const Asset& base, bool stands_still) {
   if (assets_.has(asset) || asset == encoded_) return;
-  const auto waiting = std::find(to_encode_.begin(), to_encode_.end(), asset);
+  const auto waiting = std::find_if(to_encode_.begin(), to_encode_.end(),
+                                    [&](const ToEncode& one) { return one.asset == asset; });
   if (waiting != to_encode_.end() && !stands_still) return;
   if (waiting != to_encode_.end()) to_encode_.erase(waiting);
   // Objects that are waiting to be shown have priority over objects that may break later.
-  to_encode_.insert(stands_still ? to_encode_.begin() : to_encode_.end(), asset);
+  to_encode_.insert(stands_still ? to_encode_.begin() : to_encode_.end(), {asset, base});
 }
 
 // Does not block: encodes one asset at a time, the others queue.
@@ -112,26 +120,32 @@ void FramePublisher::encode_next() {
   if (encoding_.valid()) {
     if (encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     encoding_.get();
-    std::erase(to_encode_, encoded_);
+    std::erase_if(to_encode_, [&](const ToEncode& one) { return one.asset == encoded_; });
     encoded_.reset();
   }
   // Drops assets that were encoded meanwhile or are no longer used.
-  std::erase_if(to_encode_, [&](const auto& asset) { return asset.use_count() == 1 || assets_.has(asset); });
+  std::erase_if(to_encode_,
+                [&](const ToEncode& one) { return one.asset.use_count() == 1 || assets_.has(one.asset); });
   if (to_encode_.empty()) return;
-  encoded_ = to_encode_.front();
-  encoding_ = std::async(std::launch::async, [this, asset = encoded_] { (void)assets_.add(asset); });
+  encoded_ = to_encode_.front().asset;
+  encoding_ = std::async(std::launch::async,
+                         [this, one = to_encode_.front()] { (void)assets_.add(one.asset, one.base); });
+}
+
+std::optional<ObjectDrivers> FramePublisher::last_shown(uint32_t object_id) const {
+  if (!last_) return std::nullopt;
+  const auto& before = last_->drivers().objects;
+  const auto shown = std::find_if(before.begin(), before.end(),
+                                  [&](const ObjectDrivers& one) { return one.object_id == object_id; });
+  return shown == before.end() ? std::nullopt : std::optional(*shown);
 }
 
 void FramePublisher::hold(const SceneObject& object, bool known) {
   PendingObject& held = held_[object.id];
   held.object = object;
   held.known = known;
-  encode(object.asset, true);
-  if (!known || !last_) return;
-  const auto& before = last_->drivers().objects;
-  const auto shown = std::find_if(before.begin(), before.end(),
-                                  [&](const ObjectDrivers& one) { return one.object_id == object.id; });
-  if (shown != before.end()) held.shown = *shown;
+  encode(object.asset, assets_.described(object.name), true);
+  if (known) held.shown = last_shown(object.id);
 }
 
 FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
@@ -146,7 +160,7 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
   for (const SceneObject& object : tick.changed) {
     if (const auto held = held_.find(object.id); held != held_.end()) {
       held->second.object = object;
-      encode(object.asset, true);
+      encode(object.asset, assets_.described(object.name), true);
       continue;
     }
     // A freshly cut object is announced when the asset of its fragments is encoded. It may have fractured by
@@ -154,7 +168,7 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
     const bool cut = object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset);
     const bool waits = cut && !cut_.contains(object.id);
     if (cut) {
-      encode(object.broken->asset, false);
+      encode(object.broken->asset, object.asset, false);
       cut_.insert_or_assign(object.id, object);
     } else {
       cut_.erase(object.id);
@@ -169,7 +183,8 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
     const auto held = held_.find(id);
     const bool known = held == held_.end() || held->second.known;
     if (held != held_.end()) held_.erase(held);
-    if (known) events.removed.push_back(id);
+    if (known && id == room_) kept_room_ = last_shown(id);
+    if (known && !(id == room_ && kept_room_)) events.removed.push_back(id);
   }
   std::erase_if(held_, [&](const auto& one) {
     const PendingObject& held = one.second;
@@ -182,6 +197,15 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
     events.changed.push_back(one.second);
     return true;
   });
+  const bool room_waits =
+      std::any_of(held_.begin(), held_.end(), [](const auto& one) { return one.second.object.environment; });
+  if (kept_room_ && !room_waits) {
+    events.removed.push_back(kept_room_->object_id);
+    kept_room_.reset();
+  }
+  for (const SceneObject& object : events.added) {
+    if (object.environment) room_ = object.id;
+  }
   encode_next();
   return events;
 }
@@ -189,6 +213,7 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
 void FramePublisher::take(TickResult tick) {
   const Events events = take_events(tick);
   show_held(tick.drivers, held_);
+  if (kept_room_) tick.drivers.objects.push_back(*kept_room_);
   std::vector<SessionTable::Object> added, changed;
   for (const SceneObject& object : events.added) added.push_back(describe(object));
   for (const SceneObject& object : events.changed) changed.push_back(describe(object));

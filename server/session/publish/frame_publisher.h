@@ -34,7 +34,8 @@ struct PublisherSummary {
 //
 // It does not wait for assets. A new or fractured object whose asset is not encoded yet is announced when the
 // encoding is done, which takes seconds for a large asset. Until then frames contain the object as clients
-// have it, or not at all. Recordings contain the simulated state.
+// have it, or not at all. A room that is replaced stays until the next one is announced. Recordings contain
+// the simulated state.
 class FramePublisher final : public TickSink {
  public:
   FramePublisher(SessionTable& table, AssetStore& assets);
@@ -44,7 +45,7 @@ class FramePublisher final : public TickSink {
   void publish_to(ZmqPublisher& zmq_publisher) { zmq_publisher_ = &zmq_publisher; }
 
   // Objects that exist before the first tick.
-  void begin_with(std::span<const SceneObject* const> objects) { kernels_.begin_with(objects); }
+  void begin_with(std::span<const SceneObject* const> objects);
 
   void publish(TickResult&& tick) override;
   PublisherSummary summary() const;
@@ -53,9 +54,10 @@ class FramePublisher final : public TickSink {
   void run();
   void take(TickResult tick);
   SessionTable::Object describe(const SceneObject& object);
-  // Queues an asset for the encoding thread unless it is encoded or queued. `stands_still`: an object waits
-  // for it.
-  void encode(const std::shared_ptr<const GaussianAsset>& asset, bool stands_still);
+  using Asset = std::shared_ptr<const GaussianAsset>;
+  // Queues an asset for the encoding thread unless it is encoded or queued. `base`: as in AssetStore::add().
+  // `stands_still`: an object waits for it.
+  void encode(const Asset& asset, const Asset& base, bool stands_still);
   void encode_next();
 
   struct PendingObject {
@@ -70,18 +72,26 @@ class FramePublisher final : public TickSink {
   };
   Events take_events(const TickResult& tick);
   void hold(const SceneObject& object, bool known);
+  // Drivers of an object in the last published frame.
+  std::optional<ObjectDrivers> last_shown(uint32_t object_id) const;
 
   SessionTable& table_;
   AssetStore& assets_;
   ZmqPublisher* zmq_publisher_ = nullptr;
   // Accessed by the publisher's thread only.
-  std::deque<std::shared_ptr<const GaussianAsset>> to_encode_;  // queue
-  std::shared_ptr<const GaussianAsset> encoded_;                // being encoded, or null
-  std::future<void> encoding_;                                  // encoding of encoded_
+  struct ToEncode {
+    Asset asset, base;
+  };
+  std::deque<ToEncode> to_encode_;  // queue
+  Asset encoded_;                   // being encoded, or null
+  std::future<void> encoding_;      // encoding of encoded_
   int64_t dropped_ns_ = 0;
   // Objects that wait for an encoded asset, by id.
   std::map<uint32_t, PendingObject> held_;  // waiting for their own asset
   std::map<uint32_t, SceneObject> cut_;     // intact, waiting for the asset of their fragments
+  std::optional<uint32_t> room_;            // id of the environment that clients have
+  // Its drivers, if the simulation has removed it and the next one is not announced yet.
+  std::optional<ObjectDrivers> kept_room_;
   std::shared_ptr<const TickEncodings> last_;
   KernelPublisher kernels_{table_};
   std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();

@@ -8,17 +8,21 @@
 
 namespace livegs {
 
-AssetCall* AssetCall::start(const AssetStore& assets, const std::string& hash, uint64_t offset,
+AssetCall* AssetCall::start(const AssetStore& assets, const v1::FetchAssetRequest& request,
                             std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session) {
+  const uint64_t offset = request.offset();
   const std::shared_ptr<AssetCall> call(
-      new AssetCall(assets, hash, offset, std::move(budget), std::move(session)));
+      new AssetCall(assets, assets.find_bytes(request.asset_hash(), request.base_hash()), offset,
+                    std::move(budget), std::move(session)));
   call->self_ = call;
-  if (!call->asset_) {
+  if (!call->bytes_) {
     call->Finish({grpc::StatusCode::NOT_FOUND,
-                  "asset_hash: is not an asset of the scene; use a hash from the reply of Join"});
-  } else if (offset > call->asset_->bytes.size()) {
+                  request.base_hash().empty()
+                      ? "asset_hash: is not an asset of the scene; use a hash from the reply of Join"
+                      : "base_hash: the server has no edit of this asset; fetch the whole asset"});
+  } else if (offset > call->bytes_->size()) {
     call->Finish({grpc::StatusCode::OUT_OF_RANGE, "offset: is past the end of the asset; use at most " +
-                                                      std::to_string(call->asset_->bytes.size())});
+                                                      std::to_string(call->bytes_->size())});
   } else {
     call->write_next();
   }
@@ -27,7 +31,7 @@ AssetCall* AssetCall::start(const AssetStore& assets, const std::string& hash, u
 
 void AssetCall::write_next() {
   const std::shared_ptr<AssetCall> kept = shared_from_this();  // Finish may release gRPC's reference
-  const std::vector<std::byte>& bytes = asset_->bytes;
+  const std::vector<std::byte>& bytes = *bytes_;
   if (offset_ == bytes.size()) {
     Finish(grpc::Status::OK);
     return;

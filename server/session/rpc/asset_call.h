@@ -21,18 +21,18 @@ inline constexpr size_t kAssetChunkBytes = 64u << 10;
 class AssetCall final : public grpc::ServerWriteReactor<v1::AssetChunk>,
                         public std::enable_shared_from_this<AssetCall> {
  public:
-  // An unknown hash gives NOT_FOUND, an offset past the end OUT_OF_RANGE, an offset at the end an empty
-  // stream. `session`: the session that fetches, which is kept from timing out; null without one. `assets`
-  // outlives the call.
-  static AssetCall* start(const AssetStore& assets, const std::string& hash, uint64_t offset,
+  // An unknown hash or edit gives NOT_FOUND, an offset past the end OUT_OF_RANGE, an offset at the end an
+  // empty stream. `session`: the session that fetches, which is kept from timing out; null without one.
+  // `assets` outlives the call.
+  static AssetCall* start(const AssetStore& assets, const v1::FetchAssetRequest& request,
                           std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session);
   ~AssetCall() override { budget_->leave(this); }
 
  private:
-  AssetCall(const AssetStore& assets, const std::string& hash, uint64_t offset,
+  AssetCall(const AssetStore& assets, AssetStore::Bytes bytes, uint64_t offset,
             std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session)
       : assets_(assets),
-        asset_(assets.find(hash)),
+        bytes_(std::move(bytes)),
         budget_(std::move(budget)),
         session_(std::move(session)),
         offset_(offset) {}
@@ -43,7 +43,7 @@ class AssetCall final : public grpc::ServerWriteReactor<v1::AssetChunk>,
   void OnDone() override;
 
   const AssetStore& assets_;
-  const std::shared_ptr<const AssetBytes> asset_;
+  const AssetStore::Bytes bytes_;  // null: not found
   const std::shared_ptr<SendBudget> budget_;
   const std::shared_ptr<ClientSession> session_;
   uint64_t offset_;  // at most one write or wait is in progress, which owns this and the chunk

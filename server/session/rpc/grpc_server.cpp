@@ -199,7 +199,7 @@ void GrpcServer::open(const std::string& scene_name, double rate_hz,
       logged_ns = now_ns();
       log_info("assets: %zu of %zu objects encoded", described.size(), objects.size());
     }
-    if (object->broken) (void)parts_->assets.add(object->broken->asset);
+    if (object->broken) (void)parts_->assets.add(object->broken->asset, object->asset);
     described.push_back(
         std::make_shared<const v1::ObjectDescription>(describe_object(*object, parts_->assets)));
   }
@@ -243,8 +243,8 @@ bool GrpcServer::starter_joined() const { return parts_->service.starter_joined(
 
 void GrpcServer::encode_ahead(const Scene& scene) {
   for (const SceneObject& object : scene.objects()) {
-    (void)parts_->assets.add(object.asset);
-    if (object.broken) (void)parts_->assets.add(object.broken->asset);
+    (void)parts_->assets.add(object.asset, parts_->assets.described(object.name));
+    if (object.broken) (void)parts_->assets.add(object.broken->asset, object.asset);
   }
 }
 

@@ -178,8 +178,7 @@ grpc::ServerWriteReactor<v1::AssetChunk>* GrpcService::FetchAsset(grpc::Callback
                                                                   const v1::FetchAssetRequest* request) {
   auto session = session_of(*context);
   auto budget = session ? session->budget : peer_budget(context->peer());
-  return AssetCall::start(assets_, request->asset_hash(), request->offset(), std::move(budget),
-                          std::move(session));
+  return AssetCall::start(assets_, *request, std::move(budget), std::move(session));
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* GrpcService::Stream(

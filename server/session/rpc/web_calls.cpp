@@ -17,12 +17,12 @@ constexpr const char* kBrowserToken = "browser";
 
 class PacedFetch final : public WebFetch {
  public:
-  PacedFetch(const AssetStore& assets, std::shared_ptr<const AssetBytes> asset,
-             std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session)
-      : assets_(assets), asset_(std::move(asset)), budget_(std::move(budget)), session_(std::move(session)) {}
+  PacedFetch(const AssetStore& assets, AssetStore::Bytes bytes, std::shared_ptr<SendBudget> budget,
+             std::shared_ptr<ClientSession> session)
+      : assets_(assets), bytes_(std::move(bytes)), budget_(std::move(budget)), session_(std::move(session)) {}
   ~PacedFetch() override { budget_->leave(this); }
 
-  std::span<const std::byte> bytes() const override { return asset_->bytes; }
+  std::span<const std::byte> bytes() const override { return *bytes_; }
   Turn take_turn(size_t max_bytes) override {
     const int64_t now = now_ns();
     if (session_) session_->fetches(now);
@@ -33,7 +33,7 @@ class PacedFetch final : public WebFetch {
 
  private:
   const AssetStore& assets_;
-  const std::shared_ptr<const AssetBytes> asset_;
+  const AssetStore::Bytes bytes_;
   const std::shared_ptr<SendBudget> budget_;
   const std::shared_ptr<ClientSession> session_;
 };
@@ -65,10 +65,10 @@ grpc::Status WebCalls::authorise(const std::string& path, const std::string& aut
   return authoriser_->Process(metadata, nullptr, nullptr, nullptr);
 }
 
-std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::string& session,
-                                          const std::string& authorization) {
-  auto asset = assets_.find(hash);
-  if (!asset) return nullptr;
+std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::string& base,
+                                          const std::string& session, const std::string& authorization) {
+  auto bytes = assets_.find_bytes(hash, base);
+  if (!bytes) return nullptr;
   std::shared_ptr<ClientSession> own;
   if (!session.empty()) {
     const auto who = security_ ? security_->tokens().check(bearer_token(authorization))
@@ -77,7 +77,7 @@ std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::st
     if (!who || !own || own->who.authorization.token_id != who->token_id) own = nullptr;
   }
   auto budget = own ? own->budget : service_.peer_budget("web:");
-  return std::make_unique<PacedFetch>(assets_, std::move(asset), std::move(budget), std::move(own));
+  return std::make_unique<PacedFetch>(assets_, std::move(bytes), std::move(budget), std::move(own));
 }
 
 Result<std::string> WebCalls::pair(std::string_view code) {

@@ -25,8 +25,8 @@ class WebCalls final : public WebBackend {
 
   std::shared_ptr<grpc::Channel> channel() override;
   grpc::Status authorise(const std::string& path, const std::string& authorization) override;
-  std::unique_ptr<WebFetch> fetch(const std::string& hash, const std::string& session,
-                                  const std::string& authorization) override;
+  std::unique_ptr<WebFetch> fetch(const std::string& hash, const std::string& base,
+                                  const std::string& session, const std::string& authorization) override;
   Result<std::string> pair(std::string_view code) override;
   std::string new_one_time_code();  // GrpcServer::new_one_time_code()
 

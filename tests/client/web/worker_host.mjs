@@ -54,7 +54,7 @@ export class Page {
         constructor(url) {
           this.thread = new Thread(new URL('./worker_thread.mjs', import.meta.url), { workerData: { url: String(url), href: globalThis.location.href } });
           this.thread.on('message', (data) => {
-            if (data.type === 'fetched') page.fetches.push(data.path);
+            if (data.type === 'fetched') (data.edit ? page.edits : page.fetches).push(data.path);
             else this.onmessage?.({ data });
           });
           this.thread.on('error', (error) => this.onerror?.(error));
@@ -74,7 +74,7 @@ export class Page {
   }
 
   constructor() {
-    Object.assign(this, { fetches: [], sockets: [], states: [], objects: new Map(), kernels: new Map(), rows: new Map(), frames: 0, orders: 0, stats: [], hands: [], waits: [], calls: new Map(), faults: [] });
+    Object.assign(this, { fetches: [], edits: [], sockets: [], states: [], objects: new Map(), kernels: new Map(), rows: new Map(), frames: 0, orders: 0, stats: [], hands: [], waits: [], calls: new Map(), faults: [] });
   }
   post(message) { globalThis.onmessage?.({ data: message }); }
   call(method, request) {

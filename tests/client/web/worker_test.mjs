@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node --experimental-websocket worker_test.mjs SERVER WASM FIELDS: the worker against a server: first picture, no pause of
-// the stream while a large asset is bound, a cup that breaks, calls, a pull by hand, a server that is killed and started
-// again, a cut connection, a server that shuts down, and a refused token.
+// the stream while a large asset is bound, a cup that breaks, a changed room, calls, a pull by hand, a server
+// that is killed and started again, a cut connection, a server that shuts down, and a refused token.
 import assert from 'node:assert/strict';
 import { copyFileSync, mkdtempSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -22,16 +22,20 @@ for (let k = 0, seed = 1; k < kRoomKernels; ++k) {
   const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
   room.set([8 * random() - 4, -4 * random(), 8 * random() - 4, random(), random(), random(), 2, -4, -4, -4, 1, random(), random(), 0], 14 * k);
 }
-writeFileSync(join(folder, 'room.ply'), Buffer.concat([Buffer.from(`ply\nformat binary_little_endian 1.0\nelement vertex ${kRoomKernels}\n${kRoomValues.map((name) => `property float ${name}\n`).join('')}end_header\n`), Buffer.from(room.buffer)]));
+const writeRoom = (name, values) => writeFileSync(join(folder, name), Buffer.concat([
+  Buffer.from(`ply\nformat binary_little_endian 1.0\nelement vertex ${values.length / 14}\n${kRoomValues.map((one) => `property float ${one}\n`).join('')}end_header\n`),
+  Buffer.from(values.buffer, values.byteOffset, values.byteLength)]));
+writeRoom('room.ply', room);
 const rigid = { behavior: 'RIGID', mass_kg: 0.3 };
-writeFileSync(join(folder, 'test.scene.json'), JSON.stringify({
-  environment: { asset: 'room.ply', colliders: [{ plane: {}, friction: 0.6, restitution: 0.2 }] },
+const writeScene = (asset) => writeFileSync(join(folder, 'test.scene.json'), JSON.stringify({
+  environment: { asset, colliders: [{ plane: {}, friction: 0.6, restitution: 0.2 }] },
   objects: [
     { name: 'soft block', shape: { box: { size_m: [0.2, 0.2, 0.2] } }, pose: { position_m: [0, 0.1, 0] }, spacing_m: 0.05, physics: { behavior: 'ELASTIC', density_kg_m3: 300, youngs_modulus_pa: 3e4 } },
     { name: 'box', shape: { box: { size_m: [0.2, 0.2, 0.2] } }, pose: { position_m: [0.6, 0.1, 0] }, physics: rigid },
     { name: 'cup', points: 'cup.csv', kernel_per_point: false, pose: { position_m: [-0.6, 1, 0] }, physics: { ...rigid, fill: 'SOLID', fragile: true, break_impulse_n_s: 0.9 } },
   ],
 }));
+writeScene('room.ply');
 const server = new Server(program, ['--wait-for-client', join(folder, 'test.scene.json')]);
 const report = {};
 try {
@@ -63,6 +67,14 @@ try {
   const complete = () => wanted().every((one) => page.kernels.get(one.id)?.count === one.description.kernel_count);
   await page.until('the pieces', () => named('cup').description.fragility?.bodies > 1 && complete() && page.rows.get(cup())?.length > 16);
   report.pieces = page.rows.get(cup()).length / 16;
+
+  // A reset reads the changed scene: the room lacks a thirtieth of its kernels.
+  writeRoom('other.ply', room.subarray(14 * (kRoomKernels / 30)));
+  writeScene('other.ply');
+  await page.call('ControlRun', { reset: true });
+  await page.until('the other room', () => named('environment')?.description.kernel_count === kRoomKernels - kRoomKernels / 30 && complete());
+  const other = `/assets/${named('environment').description.asset_hash}`;
+  assert.ok(page.edits.includes(other) && !page.fetches.includes(other), 'the whole room was fetched again');
   await page.until('an order with the pieces', () => page.count === wanted().reduce((sum, one) => sum + one.description.kernel_count, 0));
   Object.assign(report, { objects: page.objects.size, kernels: page.count, assets: page.fetches.filter((path) => path.startsWith('/assets')).length });
 

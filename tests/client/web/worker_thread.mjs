@@ -11,7 +11,8 @@ Object.assign(globalThis, {
     put: async (path, reply) => void cached.set(path, reply),
     delete: async (path) => cached.delete(path) }) },
   fetch: (path, options) => {
-    parentPort.postMessage({ type: 'fetched', path: new URL(path, workerData.href).pathname });
+    const { pathname, search } = new URL(path, workerData.href);
+    parentPort.postMessage({ type: 'fetched', path: pathname, edit: search.startsWith('?base=') });
     return plainFetch(new URL(path, workerData.href), options);
   },
 });

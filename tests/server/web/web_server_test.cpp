@@ -6,6 +6,8 @@
 #include <map>
 #include <thread>
 
+#include "core/content_hash.h"
+#include "gaussian/asset_file.h"
 #include "gaussian/progressive_asset.h"
 #include "patience.h"
 #include "scratch_folder.h"
@@ -95,6 +97,39 @@ TEST_F(WebServerTest, ServesAssetsThatStoreTheirBlocks) {
   EXPECT_EQ(ask(request("GET", "/assets/" + hash + "?from=9999999999")).status, 400);
   EXPECT_EQ(ask(request("GET", "/assets/" + hash + "?from=x")).status, 400);
   EXPECT_EQ(ask(request("GET", "/assets/0")).status, 404);
+}
+
+// A browser that has an asset fetches another one as an edit of it.
+TEST_F(WebServerTest, ServesEditsThatStoreTheirBlocks) {
+  open();
+  const v1::JoinReply joined = join();
+  ASSERT_GT(joined.objects_size(), 0);
+  const std::string first = joined.objects(0).asset_hash();
+  const WebReply whole = ask(request("GET", "/assets/" + first));
+  auto decoded = decode_progressive(std::as_bytes(std::span(whole.body)));
+  ASSERT_TRUE(decoded);
+  const auto base = std::make_shared<GaussianAsset>(*std::move(decoded));
+  const auto asset = std::make_shared<GaussianAsset>(*base);
+  asset->resize(asset->size() - 100);
+  const std::string second = content_hash(encode_ply(*asset)), path = "/assets/" + second + "?base=" + first;
+  TickResult changed = tick(1);
+  changed.changed = {scene_.objects().front()};
+  changed.changed.front().asset = asset;
+  server_->ticks().publish(std::move(changed));
+  WebReply edit;
+  for (const auto until = std::chrono::steady_clock::now() + kPatience;
+       edit.status != 200 && std::chrono::steady_clock::now() < until;)
+    edit = ask(request("GET", path));
+  ASSERT_EQ(edit.status, 200);
+  EXPECT_LT(edit.body.size(), 200u);
+  ProgressiveDecoder decoder(base);
+  ASSERT_TRUE(decoder.take(std::as_bytes(std::span(edit.body))));
+  const auto made = decoder.whole();
+  ASSERT_TRUE(made);
+  EXPECT_EQ(encode_ply(*made), encode_ply(*asset));
+  EXPECT_GT(ask(request("GET", "/assets/" + second)).body.size(), 10'000u) << "the whole asset";
+  EXPECT_EQ(ask(request("GET", "/assets/" + second + "?base=0")).status, 404);
+  EXPECT_EQ(ask(request("GET", "/assets/" + first + "?base=" + second)).status, 404);
 }
 
 // The frames of a WebSocket have the bytes that a gRPC client receives.

@@ -5,14 +5,22 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <atomic>
+#include <condition_variable>
 #include <fstream>
+#include <map>
+#include <mutex>
+#include <set>
 #include <sstream>
 #include <thread>
 
 #include "gaussian/asset_file.h"
 #include "sample/made_room.h"
 #include "stream/session/scene_control.h"
+#include "stream/session/session_client.h"
 #include "system/programs/programs_fixture.h"
+#include "system/support/counting_sink.h"
+#include "viewer/assets/asset_library.h"
 
 namespace livegs {
 namespace {
@@ -32,7 +40,8 @@ class RoomTaking : public Programs {
         LIVEGS_SERVER, folder_ / "desk.scene.json", "--listen", "127.0.0.1:0", "--print-port", "--offline"});
     const std::string port = server_->first_line();
     ASSERT_NE(port, "") << server_->err();
-    author_ = std::make_unique<SceneControl>("127.0.0.1:" + port);
+    address_ = "127.0.0.1:" + port;
+    author_ = std::make_unique<SceneControl>(address_);
     for (int i = 0; i < 1200; ++i) {
       const auto parts = author_->room_parts();
       ASSERT_TRUE(parts) << parts.error().message;
@@ -80,6 +89,7 @@ class RoomTaking : public Programs {
     return all;
   }
   MadeRoom room_;
+  std::string address_;
   std::unique_ptr<Program> server_;
   std::unique_ptr<SceneControl> author_;
 };
@@ -144,6 +154,100 @@ TEST_F(RoomTaking, AThingIsTakenPutBackAndKept) {
   EXPECT_EQ(scene().objects_size(), 0);
   EXPECT_EQ(scene().environment().taken_size(), 0);
   EXPECT_TRUE(author_->take_part(towards(0))) << "it can be taken again";
+}
+
+// Fetches the assets of a stream and counts the frames that arrive while no room is announced.
+class RoomSink final : public CountingSink {
+ public:
+  explicit RoomSink(AssetLibrary& assets) : assets_(assets) {}
+  void on_frame(ReceivedFrame) override {
+    std::lock_guard lock(mutex_);
+    frames_without_room += began_ && rooms_.empty();
+  }
+  void on_object_added(StreamedObject object) override {
+    assets_.request(object);
+    std::lock_guard lock(mutex_);
+    if (object.environment) {
+      began_ = true;
+      rooms_.insert(object.id);
+      room_hash_ = object.asset_hash;
+    }
+    things_[object.name] = object.asset_bytes;
+    changed_.notify_all();
+  }
+  void on_object_removed(uint32_t id) override {
+    std::lock_guard lock(mutex_);
+    rooms_.erase(id);
+  }
+  // Waits for a room other than this one, and returns its hash; empty after 20 s.
+  std::string room_after(const std::string& hash) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(20),
+                      [&] { return !room_hash_.empty() && room_hash_ != hash; });
+    return room_hash_ == hash ? "" : room_hash_;
+  }
+  // Bytes of the asset of an added object; 0 after 20 s.
+  uint64_t bytes_of(const std::string& name) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(20), [&] { return things_.contains(name); });
+    return things_[name];
+  }
+  void has_room(uint32_t id) {
+    std::lock_guard lock(mutex_);
+    began_ = true;
+    rooms_.insert(id);
+  }
+  std::atomic<uint64_t> frames_without_room{0};
+
+ private:
+  AssetLibrary& assets_;
+  std::mutex mutex_;  // guards all below
+  std::condition_variable changed_;
+  bool began_ = false;
+  std::set<uint32_t> rooms_;
+  std::string room_hash_;
+  std::map<std::string, uint64_t> things_;
+};
+
+// A client that has the room fetches the difference when a thing is taken out of it, and nothing when it is
+// put back. There is a room in every frame.
+TEST_F(RoomTaking, ClientsFetchTheDifferenceOfTheRoom) {
+  const AssetCache cache(folder_ / "cache");
+  ConnectOptions options;
+  auto client = SessionClient::join(address_, options);
+  ASSERT_TRUE(client) << client.error().message;
+  AssetLibrary assets(**client, cache);
+  RoomSink sink(assets);
+  std::string first;
+  for (const StreamedObject& object : (*client)->scene().objects) {
+    assets.request(object);
+    ASSERT_TRUE(assets.get(object.asset_hash));
+    if (!object.environment) continue;
+    sink.has_room(object.id);
+    first = object.asset_hash;
+  }
+  ASSERT_NE(first, "");
+  const uint64_t whole_bytes = assets.totals().fetched_bytes;
+  (*client)->start(sink);
+
+  v1::TakePartRequest request = towards(0);
+  request.set_name("mug");
+  ASSERT_TRUE(author_->take_part(request));
+  const std::string second = sink.room_after(first);
+  ASSERT_NE(second, "");
+  const auto room = assets.get(second);
+  ASSERT_TRUE(room) << room.error().message;
+  EXPECT_LT((*room)->size(), room_.asset.size());
+  const uint64_t mug_bytes = sink.bytes_of("mug");
+  ASSERT_GT(mug_bytes, 0u);
+  // The kernels that fill the hole, and the list of those that are gone.
+  EXPECT_LT(assets.totals().fetched_bytes, whole_bytes + whole_bytes / 10 + mug_bytes);
+
+  ASSERT_TRUE(author_->put_back("mug"));
+  EXPECT_EQ(sink.room_after(second), first);
+  const uint64_t bytes = assets.totals().fetched_bytes;
+  EXPECT_LE(bytes, whole_bytes + whole_bytes / 10 + mug_bytes);
+  EXPECT_EQ(sink.frames_without_room, 0u);
 }
 
 TEST_F(RoomTaking, TwoThingsAreTakenAsOneAndStayTwoAfterUndo) {

@@ -10,7 +10,7 @@
 namespace livegs {
 
 // Counts frames and drops them. While frozen, it blocks in on_frame.
-class CountingSink final : public StreamSink {
+class CountingSink : public StreamSink {
  public:
   void on_lost(const std::string&) override { ++lost; }
   void on_resumed(const ResumedSession&) override {}

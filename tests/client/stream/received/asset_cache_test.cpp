@@ -169,6 +169,56 @@ TEST(AssetCache, FetchesFromTheServerWhatAStoreDoesNotGive) {
   EXPECT_TRUE(cache.obtain(source.hash, source.bytes.size(), sources));
 }
 
+// An edit of an asset that the client has replaces the transfer, unless its bytes are wrong.
+TEST(AssetCache, FetchesAnEditOfAnEarlierAsset) {
+  Source source(2000);
+  const auto base = std::make_shared<GaussianAsset>(source.asset);
+  base->resize(1990);
+  const auto edit = encode_edit(*base, source.asset);
+  ASSERT_TRUE(edit);
+  const auto sends = [](std::vector<std::byte> bytes) -> AssetCache::Fetch {
+    return [bytes = std::move(bytes)](uint64_t offset, const TakeChunk& take) {
+      return take(offset, bytes.size(), bytes);
+    };
+  };
+  const std::vector<AssetCache::Fetch> server{source.fetch()};
+  {
+    const ScratchFolder folder;
+    const AssetCache cache(folder / "cache");
+    const auto made =
+        cache.obtain(source.hash, source.bytes.size(), server, {}, {}, {[&] { return base; }, sends(*edit)});
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->bytes, source.ply);
+    EXPECT_EQ(made->fetched_bytes, edit->size());
+    EXPECT_LT(edit->size(), source.bytes.size() / 50);
+    EXPECT_TRUE(source.offsets.empty()) << "the whole asset is not fetched";
+    EXPECT_EQ(*read_file(folder.path() / "cache" / (source.hash + ".ply")), source.ply);
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "cache" / (source.hash + ".part")));
+  }
+  std::vector<std::byte> damaged = *edit;
+  damaged.back() ^= std::byte{1};
+  const Source other(2100);
+  const std::map<std::string, AssetCache::Edit> failing{
+      {"the base is missing", {[] { return nullptr; }, sends(*edit)}},
+      {"the base is another asset",
+       {[] { return std::make_shared<GaussianAsset>(synthetic_asset(1990, 0, 3)); }, sends(*edit)}},
+      {"damaged", {[&] { return base; }, sends(damaged)}},
+      {"another asset", {[&] { return base; }, sends(other.bytes)}},
+      {"truncated", {[&] { return base; }, sends({edit->begin(), edit->begin() + 40})}},
+      {"the server has none",
+       {[&] { return base; },
+        [](uint64_t, const TakeChunk&) { return Result<void>(not_found("base_hash")); }}}};
+  for (const auto& [what, one] : failing) {
+    const ScratchFolder folder;
+    const AssetCache cache(folder / "cache");
+    source.offsets.clear();
+    const auto whole = cache.obtain(source.hash, source.bytes.size(), server, {}, {}, one);
+    ASSERT_TRUE(whole) << what << ": " << whole.error().message;
+    EXPECT_EQ(whole->bytes, source.ply) << what;
+    EXPECT_EQ(source.offsets, std::vector<uint64_t>{0}) << what;
+  }
+}
+
 TEST(AssetCache, RefusesExcessBytes) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");

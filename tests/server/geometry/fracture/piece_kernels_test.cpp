@@ -238,7 +238,7 @@ TEST(PieceKernels, CupKernelsAreBoundOnceForAllSeeds) {
     const VoronoiPieces pieces = cut(mesh, 8 + seed % 9, seed);
     const auto kernels = make_piece_kernels(asset, {}, pieces);
     ASSERT_TRUE(kernels);
-    expect_bound_once(asset, *kernels, pieces, 0.004);  // margin over the measured worst case
+    expect_bound_once(asset, *kernels, pieces, 0.005);  // the worst of 100 seeds loses 0.40 %
     if (HasFatalFailure()) return;
   }
 }

@@ -15,7 +15,8 @@ TEST(SoftDepth, DepthConvergesWithTheCells) {
   const double fine_m = settled_depth_m(particle_block(0.00625, 0.00625), 60.0);
   report_gap("soft.depth_convergence",
              std::abs(middle_m / fine_m - 1.0));  // the bar is a tenth of the bar of soft_depth_test
-  EXPECT_NEAR(fine_m, 0.01444, 5e-5);             // the reference of the chart and of accuracy_test
+  // The reference of the chart and of accuracy_test, to a tenth of their bar of 10 %.
+  EXPECT_NEAR(fine_m / 0.01444, 1.0, 0.01);
   EXPECT_LT(std::abs(middle_m - fine_m), 0.25 * std::abs(coarse_m - middle_m))
       << "not of second order in the width";
 }

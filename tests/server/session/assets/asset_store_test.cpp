@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "common/gaussian/synthetic_asset.h"
 #include "scene/build/fragile_object.h"
 #include "scene/scene.h"
 
@@ -44,6 +45,30 @@ void add_all(const Scene& scene, AssetStore& store) {
 bool has(const AssetStore& store, const std::string& hash) {
   const std::vector<std::string> all = store.hashes();
   return std::find(all.begin(), all.end(), hash) != all.end();
+}
+
+TEST(AssetStore, KeepsSmallEditsAsLongAsTheirAsset) {
+  AssetStore store;
+  auto base = std::make_shared<GaussianAsset>(synthetic_asset(1000, 1, 2));
+  auto asset = std::make_shared<GaussianAsset>(*base);
+  asset->resize(990);
+  const auto other = std::make_shared<GaussianAsset>(synthetic_asset(1000, 1, 3));
+  const std::string from = store.add(base)->hash, to = store.add(asset, base)->hash;
+  const auto edit = store.find_bytes(to, from);
+  ASSERT_TRUE(edit);
+  EXPECT_LT(edit->size(), 300u);
+  EXPECT_EQ(store.find_bytes(from, to), nullptr) << "made on request only";
+  (void)store.add(base, asset);
+  EXPECT_NE(store.find_bytes(from, to), nullptr);
+  const std::string third = store.add(other, base)->hash;
+  EXPECT_NE(store.find_bytes(third, ""), nullptr);
+  EXPECT_EQ(store.find_bytes(third, from), nullptr) << "no kernel in common";
+  EXPECT_EQ(store.find_bytes(from, from), nullptr);
+  asset.reset();
+  store.drop_unused({}, 0);
+  EXPECT_NE(store.find_bytes(to, from), nullptr) << "clients may still fetch it";
+  store.drop_unused({}, kUnusedAssetLifetime_ns);
+  EXPECT_EQ(store.find_bytes(to, from), nullptr);
 }
 
 TEST(AssetStore, IsUnchangedAfterTenResets) {

@@ -242,6 +242,53 @@ TEST_F(SlowAssetTest, NewObjectsAreHiddenUntilAnnounced) {
   EXPECT_EQ(read.events[0].object_added().object_id(), kStays);
 }
 
+// A thing that is taken out of a room replaces the room. Clients have a room in every frame.
+TEST_F(SlowAssetTest, RoomStaysUntilTheNextOneIsEncoded) {
+  const SceneObject room = object("environment");
+  constexpr uint32_t kSecond = 1000, kThird = 1001, kNone = 0;
+  const auto with = [&](uint32_t id) {
+    TickResult stepped = tick();
+    const auto drivers = std::find_if(stepped.drivers.objects.begin(), stepped.drivers.objects.end(),
+                                      [&](const ObjectDrivers& one) { return one.object_id == room.id; });
+    id == kNone ? void(stepped.drivers.objects.erase(drivers)) : void(drivers->object_id = id);
+    return stepped;
+  };
+  const auto replaced = [&](uint32_t by, uint32_t removed) {
+    TickResult stepped = with(by);
+    stepped.removed = {removed};
+    if (by == kNone) return stepped;
+    SceneObject& next = stepped.added.emplace_back(room);
+    next.id = by;
+    next.asset = slow_;
+    return stepped;
+  };
+  publish(tick());
+  const auto pending = [&](TickResult stepped, uint32_t id) {
+    const Reader::Read read = publish(std::move(stepped));
+    EXPECT_TRUE(read.events.empty());
+    EXPECT_TRUE(find(read, room.id));
+    EXPECT_FALSE(find(read, id));
+  };
+  pending(replaced(kSecond, room.id), kSecond);
+  pending(with(kSecond), kSecond);
+  pending(replaced(kThird, kSecond), kThird);
+  let_go();
+  Reader::Read read;
+  for (const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
+       read.events.empty() && now_ns() < give_up_ns;) {
+    read = publish(with(kThird));
+    EXPECT_EQ(read.events.empty(), find(read, kThird) == nullptr);
+    EXPECT_EQ(read.events.empty(), find(read, room.id) != nullptr);
+  }
+  ASSERT_EQ(read.events.size(), 2u);
+  EXPECT_EQ(read.events[0].object_added().object_id(), kThird);
+  EXPECT_EQ(read.events[1].object_removed().object_id(), room.id);
+  // A room that is removed without another one is removed at once.
+  read = publish(replaced(kNone, kThird));
+  ASSERT_EQ(read.events.size(), 1u);
+  EXPECT_EQ(read.events[0].object_removed().object_id(), kThird);
+}
+
 // A cut is announced when the fragments are encoded; other changes of the object are announced at once.
 TEST_F(SlowAssetTest, CutIsAnnouncedWhenItsFragmentsAreEncoded) {
   publish(tick());
