@@ -64,10 +64,8 @@ class ProgressiveDecoder {
   GaussianAsset gathered(std::span<const uint32_t> order, int degree) const;
 
   std::shared_ptr<const GaussianAsset> base_;
-  // Of an edit: kernels of the base in the asset, those used so far, and the ends of the last run in the base
-  // and the asset.
+  // Of an edit: kernels of the base in the asset, and the ends of the last run in the base and the asset.
   size_t kept_ = 0;
-  std::vector<bool> used_;
   int64_t base_end_ = 0, asset_end_ = 0;
   std::vector<std::byte> waiting_;  // received bytes of the incomplete block
   std::optional<Error> failed_;

@@ -133,7 +133,6 @@ Result<void> ProgressiveDecoder::take_head(Bytes head) {
       return bad("an edit of another asset");
     if (kept_ == 0 || kept_ > std::min<size_t>(count_, base_->size()))
       return bad("an edit has a wrong number of kernels");
-    used_.resize(base_->size());
   }
   has_head_ = true;
   return {};
@@ -161,42 +160,39 @@ Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
 }
 
 bool ProgressiveDecoder::take_runs(Bytes raw, size_t runs) {
-  std::array<std::vector<uint32_t>, kRunColumns> words;
+  std::vector<uint32_t> words(kRunColumns * runs);
   Columns columns(raw, runs);
-  for (auto& column : words) columns.each([&](size_t, uint32_t word) { column.push_back(word); });
+  for (size_t column = 0; column < kRunColumns; ++column)
+    columns.each([&](size_t i, uint32_t word) { words[column * runs + i] = word; });
   if (!columns.at_end()) return false;
-  const auto& [steps, skipped, lengths] = words;
-  const auto rest = static_cast<std::ptrdiff_t>(harmonic_columns(degree_) / 3);
-  const auto base_count = static_cast<int64_t>(base_->size()), count = static_cast<int64_t>(count_);
+  const size_t rest = harmonic_columns(degree_) / 3;
   for (size_t run = 0; run < runs; ++run) {
-    const int64_t half = steps[run] >> 1, length = lengths[run];
-    const int64_t from = base_end_ + ((steps[run] & 1) != 0 ? -half - 1 : half),
-                  to = asset_end_ + skipped[run];
+    const uint32_t step = words[run];
+    const int64_t half = step >> 1, length = words[2 * runs + run];
+    const int64_t from = base_end_ + ((step & 1) != 0 ? -half - 1 : half);
+    const int64_t to = asset_end_ + words[runs + run];
     base_end_ = from + length;
     asset_end_ = to + length;
-    if (length == 0 || from < 0 || base_end_ > base_count || asset_end_ > count ||
-        static_cast<size_t>(length) > kept_ - indices_.size())
+    const size_t first = indices_.size(), count = static_cast<size_t>(length);
+    if (count == 0 || from < 0 || base_end_ > static_cast<int64_t>(base_->size()) ||
+        asset_end_ > static_cast<int64_t>(count_) || count > kept_ - first)
       return false;
-    for (int64_t i = 0; i < length; ++i) {
-      if (used_[static_cast<size_t>(from + i)]) return false;
-      used_[static_cast<size_t>(from + i)] = true;
-      indices_.push_back(static_cast<uint32_t>(to + i));
+    indices_.resize(first + count);
+    asset_.resize(first + count);
+    harmonics_.resize((first + count) * rest);
+    for (size_t i = 0; i < count; ++i) {
+      const size_t at = first + i, of = static_cast<size_t>(from) + i;
+      indices_[at] = static_cast<uint32_t>(to) + static_cast<uint32_t>(i);
+      asset_.positions[at] = base_->positions[of];
+      asset_.log_scales[at] = base_->log_scales[of];
+      asset_.rotations[at] = base_->rotations[of];
+      asset_.opacity_logits[at] = base_->opacity_logits[of];
+      asset_.sh_dc[at] = base_->sh_dc[of];
+      for (size_t k = 0; k < rest; ++k) harmonics_[at * rest + k] = base_->sh_rest[of * rest + k];
     }
-    const auto append = [&](auto& all, const auto& of, std::ptrdiff_t each) {
-      all.insert(all.end(), of.begin() + from * each, of.begin() + base_end_ * each);
-    };
-    append(asset_.positions, base_->positions, 1);
-    append(asset_.log_scales, base_->log_scales, 1);
-    append(asset_.rotations, base_->rotations, 1);
-    append(asset_.opacity_logits, base_->opacity_logits, 1);
-    append(asset_.sh_dc, base_->sh_dc, 1);
-    append(harmonics_, base_->sh_rest, rest);
   }
   with_harmonics_ = degree_ > 0 ? indices_.size() : 0;
-  if (indices_.size() == kept_) {
-    base_.reset();
-    used_ = {};
-  }
+  if (indices_.size() == kept_) base_.reset();
   return true;
 }
 

@@ -178,13 +178,20 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
     else if (!waits)
       events.changed.push_back(object);
   }
+  std::vector<uint32_t> known_removed;
   for (const uint32_t id : tick.removed) {
     cut_.erase(id);
     const auto held = held_.find(id);
-    const bool known = held == held_.end() || held->second.known;
+    if (held == held_.end() || held->second.known) known_removed.push_back(id);
     if (held != held_.end()) held_.erase(held);
-    if (known && id == room_) kept_room_ = last_shown(id);
-    if (known && !(id == room_ && kept_room_)) events.removed.push_back(id);
+  }
+  const auto room_waits = [&] {
+    return std::any_of(held_.begin(), held_.end(),
+                       [](const auto& one) { return one.second.object.environment; });
+  };
+  for (const uint32_t id : known_removed) {
+    if (id == room_ && room_waits()) kept_room_ = last_shown(id);
+    if (id != room_ || !kept_room_) events.removed.push_back(id);
   }
   std::erase_if(held_, [&](const auto& one) {
     const PendingObject& held = one.second;
@@ -197,9 +204,7 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
     events.changed.push_back(one.second);
     return true;
   });
-  const bool room_waits =
-      std::any_of(held_.begin(), held_.end(), [](const auto& one) { return one.second.object.environment; });
-  if (kept_room_ && !room_waits) {
+  if (kept_room_ && !room_waits()) {
     events.removed.push_back(kept_room_->object_id);
     kept_room_.reset();
   }
