@@ -51,7 +51,9 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const Asset& asset, const Asse
   try {
     if (from) edit = encode_edit(*base, *asset);
     if (!encoded) encoded = std::make_shared<const AssetBytes>(encoder_(*asset));
-    if (edit && edit->size() > encoded->bytes.size() / 4 * 3) edit.reset();
+    if (edit &&
+        static_cast<double>(edit->size()) > kMaxEditShare * static_cast<double>(encoded->bytes.size()))
+      edit.reset();
   } catch (...) {
     failed = std::current_exception();
   }

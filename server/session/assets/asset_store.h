@@ -34,6 +34,10 @@ AssetBytes encode_asset(const GaussianAsset& asset);
 // may fetch them this late (kJoinTimeout_ns), and a client that lags receives the removal later.
 inline constexpr int64_t kUnusedAssetLifetime_ns = 120'000'000'000;
 
+// Largest size of an edit over that of its asset. Larger: more fetches are edits, which save less and need
+// the base in the memory of the client.
+inline constexpr double kMaxEditShare = 0.75;
+
 // Encodes and hashes every asset of the scene once, however many objects and clients use it. Any thread.
 class AssetStore {
  public:
@@ -43,8 +47,7 @@ class AssetStore {
   using Asset = std::shared_ptr<const GaussianAsset>;
   // Encodes at the first call, on the calling thread and without worker threads, so that a concurrent tick is
   // not delayed (asset_bench). Concurrent calls for the same asset wait for the result.
-  // `base`: an asset that clients may have. The asset is also encoded as an edit of it, unless that takes
-  // more than three quarters of the bytes of the asset.
+  // `base`: an asset that clients may have. The asset is also encoded as an edit of it, up to kMaxEditShare.
   std::shared_ptr<const AssetBytes> add(const Asset& asset, const Asset& base = nullptr);
   // Notes that clients were sent the description of an object with this name and asset.
   void note_described(const std::string& name, const Asset& asset);
